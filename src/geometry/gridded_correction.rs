@@ -122,6 +122,18 @@ impl<'a> GriddedCorrection<'a> {
         &self.polynomial
     }
 
+    /// Grid of the lens at its place over the sensor.
+    #[must_use]
+    pub const fn lens(&self) -> Option<&PlacedGrid<'a>> {
+        self.lens.as_ref()
+    }
+
+    /// Grid of the sensor.
+    #[must_use]
+    pub const fn sensor(&self) -> Option<&PlacedGrid<'a>> {
+        self.sensor.as_ref()
+    }
+
     /// Upper bound of what the folds, the kernel and the places of the grids leave out of the
     /// model, per axis, nm.
     ///
@@ -260,6 +272,19 @@ impl ExposureDistortion for GriddedCorrection<'_> {
 }
 
 impl Sealed for GriddedCorrection<'_> {}
+
+/// Correction of a camera without residual grids, with the same bits.
+impl From<&FrameCorrection> for GriddedCorrection<'_> {
+    fn from(polynomial: &FrameCorrection) -> Self {
+        Self {
+            polynomial: *polynomial,
+            lens: None,
+            sensor: None,
+            left_out_nm: polynomial.left_out_nm(),
+            last_residual_nm: f32::INFINITY,
+        }
+    }
+}
 
 #[inline]
 fn sum(a: Displacement, b: Displacement) -> Displacement {

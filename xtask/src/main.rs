@@ -1,4 +1,4 @@
-//! Commands of the README: `cargo xtask verify`, `test`, `firmware` and `bench`.
+//! Commands of the README: `cargo xtask verify`, `test`, `firmware`, `bench` and `aarch64`.
 //!
 //! Each command does its own set-up, so that a fresh machine needs no other command. [`route`]
 //! decides how the target is built, [`machine`] collects the facts for that decision, [`tools`]
@@ -6,6 +6,7 @@
 //! images, [`mod@bench`] counts what they cost, [`checks`] is the list of steps of `test`, and
 //! [`schedule`] their order.
 
+mod aarch64;
 mod bench;
 mod board;
 mod checks;
@@ -68,6 +69,13 @@ enum Command {
         #[arg(long)]
         update: bool,
     },
+    /// Run the tests of the vectors of 64-bit Arm (NEON)
+    ///
+    /// In QEMU's emulation of a process, or on this machine if it is one. Where they are not on the
+    /// search path, Debian's packages gcc-aarch64-linux-gnu and qemu-user-static are fetched into
+    /// the target directory, and its compiler, if the active one has no library for the target
+    /// (rustup target add aarch64-unknown-linux-gnu).
+    Aarch64,
     /// Check formatting, lints, documentation and tests
     ///
     /// On the host: formatting, lints, documentation and tests. For the target: lints, builds, and
@@ -105,6 +113,10 @@ fn main() -> ExitCode {
         Command::Bench { update } => (
             Workspace::new().and_then(|workspace| bench::run(&workspace, update)),
             NOT_STARTED,
+        ),
+        Command::Aarch64 => (
+            Workspace::new().and_then(|workspace| aarch64::run(&workspace)),
+            CHECK_FAILED,
         ),
         Command::Test { only, among_others } => (
             Workspace::new().and_then(|workspace| {

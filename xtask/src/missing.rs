@@ -104,18 +104,24 @@ fn remedy(tool: Tool, system: &System) -> String {
             Tool::Compiler | Tool::Linker | Tool::Clippy => {
                 return "rustup target add thumbv7em-none-eabihf".to_owned();
             }
-            Tool::Qemu | Tool::Llvm | Tool::Pip => {}
+            Tool::Qemu | Tool::Llvm | Tool::Pip | Tool::Aarch64 => {}
         }
     }
     // A Rust that is not a distribution's comes with everything that a target needs.
     let rustup = |install: &str| format!("{install} rustup");
     match (system.family, tool) {
         (Family::Debian, _) => format!("sudo apt-get install {}", tool.packages().join(" ")),
-        (Family::Ubuntu, Tool::Qemu | Tool::Llvm | Tool::Pip) => {
+        (Family::Ubuntu, Tool::Qemu | Tool::Llvm | Tool::Pip | Tool::Aarch64) => {
             format!("sudo apt-get install {}", tool.packages().join(" "))
         }
         // Ubuntu has none of Debian's packages of a compiler for browsers.
         (Family::Ubuntu, _) => rustup("sudo apt-get install"),
+        (Family::Arch, Tool::Aarch64) => {
+            "sudo pacman -S aarch64-linux-gnu-gcc qemu-user-static".to_owned()
+        }
+        (Family::Fedora | Family::MacOs | Family::Windows | Family::Other, Tool::Aarch64) => {
+            "run it on Debian, Ubuntu or Arch, or on a 64-bit Arm".to_owned()
+        }
         (Family::Fedora, Tool::Qemu) => "sudo dnf install qemu-system-arm".to_owned(),
         (Family::Fedora, Tool::Llvm) => "sudo dnf install llvm".to_owned(),
         (Family::Fedora, Tool::Pip) => "sudo dnf install python3-pip".to_owned(),

@@ -262,10 +262,9 @@ impl<'a> Target<'a> {
     /// builds.
     fn in_environment(&self, command: Cmd<'a>) -> Cmd<'a> {
         let distribution = matches!(self.route, Route::Installed | Route::Fetched);
-        let is_foreign =
-            |name: &String| is_for_host(name) || (distribution && is_for_active_toolchain(name));
         let names = env::vars_os().filter_map(|(name, _)| name.into_string().ok());
-        let mut command = names.filter(is_foreign).fold(command, Cmd::env_remove);
+        let foreign = names.filter(|name| is_for_another_build(name, distribution));
+        let mut command = foreign.fold(command, Cmd::env_remove);
         if self.route != Route::Active {
             command = command
                 .env("RUSTC_BOOTSTRAP", "1")
@@ -310,6 +309,12 @@ impl<'a> Target<'a> {
             linker.unwrap_or_default()
         ))
     }
+}
+
+/// Returns true for variables that belong to builds for the host, or, for a compiler of the
+/// distribution, to those of the toolchain that started xtask.
+pub(crate) fn is_for_another_build(name: &str, distribution: bool) -> bool {
+    is_for_host(name) || (distribution && is_for_active_toolchain(name))
 }
 
 /// Returns true for flags and targets that the user set for host builds.

@@ -10,7 +10,7 @@ use fmc_camera::flight::settings::FlightSettings;
 use fmc_camera::geometry::brown::Brown;
 use fmc_camera::geometry::calibration::{CalibrationError, CalibrationParameters, Polynomial};
 use fmc_camera::geometry::five_coefficient::FiveCoefficients;
-use fmc_camera::geometry::grid::GridChecksums;
+use fmc_camera::geometry::grid::{GridCarrier, GridChecksums};
 use fmc_camera::geometry::principal_distance::{FLATNESS_TERMS, Flatness};
 use fmc_camera::geometry::range::Quantity;
 use fmc_camera::geometry::sensor::SensorPoint;
@@ -18,7 +18,7 @@ use fmc_camera::geometry::shutter::ShutterProfile;
 use serde::Deserialize;
 
 use crate::calibration_error::invalid_calibration;
-use crate::grid_files::GridFiles;
+use crate::grid_files::{self, GridFiles};
 use crate::input_error::InputError;
 use crate::limits_table::LimitsTable;
 use crate::number::single;
@@ -74,12 +74,25 @@ impl CameraFile {
     /// # Errors
     /// As [`Self::read`], also for the files of `[grid]`; a camera with grids is accepted.
     pub fn read_with_grids(path: &Path) -> Result<(Self, Camera, GridFiles), InputError> {
-        let (file, text) = (path.display().to_string(), read_text(path)?);
-        let text = TomlText::new(&file, &text);
-        let (camera_file, camera) = Self::validated(&text)?;
         let folder = path.parent().unwrap_or(Path::new(""));
+        let (file, text) = (path.display().to_string(), read_text(path)?);
+        Self::parse_with_grids(&file, &text, &|name| grid_files::read_from(folder, name))
+    }
+
+    /// Parses and validates the text of a camera file whose residual grids `read` returns by their
+    /// names; `file` is the name that messages use.
+    ///
+    /// # Errors
+    /// As [`Self::read_with_grids`], and those of `read`.
+    pub fn parse_with_grids(
+        file: &str,
+        text: &str,
+        read: &dyn Fn(&str) -> Result<Vec<u8>, InputError>,
+    ) -> Result<(Self, Camera, GridFiles), InputError> {
+        let text = TomlText::new(file, text);
+        let (camera_file, camera) = Self::validated(&text)?;
         let grids = match &camera_file.grid {
-            Some(table) => GridFiles::read(&text, table, folder, camera.calibration())?,
+            Some(table) => GridFiles::read(&text, table, read, camera.calibration())?,
             None => GridFiles::default(),
         };
         Ok((camera_file, camera, grids))
@@ -181,6 +194,16 @@ impl CameraFile {
             }
         }
         Ok(())
+    }
+
+    /// Name of the file of a part's residual grid, as `[grid]` has it.
+    #[must_use]
+    pub fn grid_name(&self, carrier: GridCarrier) -> Option<&str> {
+        let table = self.grid.as_ref()?;
+        match carrier {
+            GridCarrier::Lens => table.lens.as_deref(),
+            GridCarrier::Sensor => table.sensor.as_deref(),
+        }
     }
 
     /// Distance L from the exit pupil to the image, mm.

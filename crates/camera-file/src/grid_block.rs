@@ -2,8 +2,10 @@
 
 use std::str::FromStr;
 
+use fmc_camera::geometry::grid::GridCarrier;
 use toml_edit::{DocumentMut, Value};
 
+use crate::grid_files::GridFiles;
 use crate::input_error::InputError;
 use crate::insertion::{put, table};
 
@@ -16,6 +18,18 @@ pub struct GridEntry {
     pub file: String,
     /// CRC-32 with which the file ends.
     pub crc32: u32,
+}
+
+/// Names and bytes of files.
+pub type NamedFiles = Vec<(String, Vec<u8>)>;
+
+/// Returns the name that the file of a part's grid has beside its camera file.
+#[must_use]
+pub const fn file_name(carrier: GridCarrier) -> &'static str {
+    match carrier {
+        GridCarrier::Lens => "grid-lens.fmcg",
+        GridCarrier::Sensor => "grid-sensor.fmcg",
+    }
 }
 
 /// Returns the text of a camera file whose `[grid]` names these files and no others; `file` is the
@@ -37,6 +51,33 @@ pub fn with_grids(file: &str, text: &str, entries: &[GridEntry]) -> Result<Strin
         put(block, &format!("{}_crc32", entry.key), Value::from(crc32));
     }
     Ok(document.to_string())
+}
+
+/// Returns the text of a camera file whose `[grid]` names copies of these grids beside it, and the
+/// copies with their names.
+///
+/// # Errors
+/// As [`with_grids`].
+pub fn with_copies(
+    file: &str,
+    text: &str,
+    grids: &GridFiles,
+) -> Result<(String, NamedFiles), InputError> {
+    let (mut entries, mut copies) = (Vec::new(), Vec::new());
+    for (carrier, key) in [(GridCarrier::Lens, "lens"), (GridCarrier::Sensor, "sensor")] {
+        let Some(bytes) = grids.bytes(carrier) else {
+            continue;
+        };
+        let name = file_name(carrier).to_owned();
+        let crc32 = bytes.last_chunk().map_or(0, |crc| u32::from_le_bytes(*crc));
+        copies.push((name.clone(), bytes.to_vec()));
+        entries.push(GridEntry {
+            key,
+            file: name,
+            crc32,
+        });
+    }
+    Ok((with_grids(file, text, &entries)?, copies))
 }
 
 /// Returns the text of a camera file without `[grid]`.

@@ -77,15 +77,15 @@ impl GridFiles {
         CameraGrids::new(calibration, lens, sensor).map_err(GridRefusal::Camera)
     }
 
-    /// Reads the files that a camera file in a folder names.
+    /// Reads the files that a camera file names with `read`.
     pub(crate) fn read(
         text: &TomlText,
         table: &GridTable,
-        folder: &Path,
+        read: &dyn Fn(&str) -> Result<Vec<u8>, InputError>,
         calibration: &Calibration,
     ) -> Result<Self, InputError> {
-        let lens = read_one(text, "lens", folder, (&table.lens, &table.lens_crc32))?;
-        let sensor = read_one(text, "sensor", folder, (&table.sensor, &table.sensor_crc32))?;
+        let lens = read_one(text, "lens", read, (&table.lens, &table.lens_crc32))?;
+        let sensor = read_one(text, "sensor", read, (&table.sensor, &table.sensor_crc32))?;
         let files = Self { lens, sensor };
         let refused = files.grids(calibration).err();
         refused.map_or(Ok(files), |refusal| Err(invalid(text, &refusal)))
@@ -108,11 +108,21 @@ fn invalid(text: &TomlText, refusal: &GridRefusal) -> InputError {
     }
 }
 
+/// Reads the file of a grid in a folder.
+pub(crate) fn read_from(folder: &Path, name: &str) -> Result<Vec<u8>, InputError> {
+    let path = folder.join(name);
+    let mut bytes = Vec::new();
+    File::open(&path)
+        .and_then(|file| file.take(LONGEST).read_to_end(&mut bytes))
+        .map_err(|error| InputError::reading(&path, &error))?;
+    Ok(bytes)
+}
+
 /// Reads the file of a grid whose name and CRC are given.
 fn read_one(
     text: &TomlText,
     key: &str,
-    folder: &Path,
+    read: &dyn Fn(&str) -> Result<Vec<u8>, InputError>,
     (name, crc32): (&Option<String>, &Option<String>),
 ) -> Result<Option<Vec<u8>>, InputError> {
     let crc_key = format!("{key}_crc32");
@@ -140,11 +150,7 @@ fn read_one(
             "is no CRC-32; allowed: eight hexadecimal digits",
         )
     })?;
-    let path = folder.join(name);
-    let mut bytes = Vec::new();
-    File::open(&path)
-        .and_then(|file| file.take(LONGEST).read_to_end(&mut bytes))
-        .map_err(|error| InputError::reading(&path, &error))?;
+    let bytes = read(name)?;
     let stored = bytes.last_chunk().map(|crc| u32::from_le_bytes(*crc));
     if ResidualGrid::parse(&bytes).is_ok()
         && let Some(stored) = stored

@@ -1,10 +1,11 @@
 //! The files of a certificate: pages, content, camera file, their hashes and the signature.
 
+use fmc_camera_file::GridFiles;
 use fmc_report::figure::FigureError;
 use fmc_report::hash;
 use fmc_report::page::PageError;
 
-use crate::content::Certificate;
+use crate::content::{Certificate, residual};
 use crate::document::Document;
 use crate::html;
 use crate::pdf::{Attachment, PdfError, pdf};
@@ -41,8 +42,10 @@ pub enum BundleError {
     /// The public key cannot be written.
     #[error("{PUBLIC_KEY} cannot be written")]
     PublicKey,
-    /// The camera file has the name of another file of the certificate.
-    #[error("a file of the certificate is called {0}, too: rename the camera file")]
+    /// The camera file or a grid has the name of another file of the certificate.
+    #[error(
+        "a file of the certificate is called {0}, too: rename the camera file, or the grid of it"
+    )]
     Name(String),
 }
 
@@ -67,17 +70,23 @@ impl BundleError {
 pub fn files(
     certificate: &Certificate,
     camera_file: &[u8],
+    grids: &GridFiles,
     key: Option<&PrivateKey>,
 ) -> Result<Vec<(String, Vec<u8>)>, BundleError> {
     let identity = &certificate.identity;
     let name = &identity.camera_file.name;
-    if NAMES.contains(&name.as_str()) {
-        return Err(BundleError::Name(name.clone()));
+    let grids = residual::files(&certificate.residual_grids, grids);
+    let mut names: Vec<&str> = NAMES.to_vec();
+    for name in [name].into_iter().chain(grids.iter().map(|(name, _)| name)) {
+        if names.contains(&name.as_str()) {
+            return Err(BundleError::Name(name.clone()));
+        }
+        names.push(name);
     }
     let mut json = serde_json::to_vec_pretty(certificate)?;
     json.push(b'\n');
     let document = Document::of(certificate);
-    let attachments = [
+    let mut attachments = vec![
         Attachment {
             name,
             bytes: camera_file,
@@ -91,6 +100,12 @@ pub fn files(
             description: "content of this certificate",
         },
     ];
+    attachments.extend(grids.iter().map(|(name, bytes)| Attachment {
+        name,
+        bytes,
+        media_type: "application/octet-stream",
+        description: "residual grid of the camera",
+    }));
     let pdf = pdf(
         &document,
         identity.issued_on,
@@ -104,6 +119,7 @@ pub fn files(
         (JSON.to_owned(), json),
         (name.clone(), camera_file.to_vec()),
     ];
+    files.extend(grids.iter().cloned());
     let sums = sums(&files).into_bytes();
     if let Some(key) = key {
         let public = key.public().pem().ok_or(BundleError::PublicKey)?;

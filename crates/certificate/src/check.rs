@@ -2,12 +2,14 @@
 
 use std::collections::BTreeMap;
 
+use fmc_camera::geometry::grid::GridCarrier;
 use fmc_camera_file::{CameraFile, InputError};
 use fmc_report::hash;
 use serde::Deserialize;
 
 use crate::bundle::{HTML, JSON, PDF, PUBLIC_KEY, SIGNATURE, SUMS};
 use crate::content::parameters;
+use crate::content::residual::is_plain;
 use crate::flown_calibrations::FlownCalibrations;
 use crate::pdf_reader::ReadPdf;
 use crate::signature::PublicKey;
@@ -29,6 +31,21 @@ pub type Files = BTreeMap<String, Vec<u8>>;
 pub struct Stated {
     identity: Identity,
     parameters: Parameters,
+    #[serde(default)]
+    residual_grids: ResidualGrids,
+}
+
+#[derive(Debug, Default, Deserialize)]
+struct ResidualGrids {
+    grids: Vec<GridIdentity>,
+}
+
+#[derive(Debug, Deserialize)]
+struct GridIdentity {
+    part: String,
+    file: String,
+    sha256: String,
+    crc32: String,
 }
 
 #[derive(Debug, Deserialize)]
@@ -64,11 +81,15 @@ impl Stated {
     pub fn parse(file: &str, bytes: &[u8]) -> Result<Self, InputError> {
         let stated: Self = serde_json::from_slice(bytes)
             .map_err(|error| InputError::invalid(format!("{file}: no certificate: {error}")))?;
-        let name = stated.camera_file();
-        if name.is_empty() || name.starts_with('.') || name.contains(['/', '\\', ':']) {
-            return Err(InputError::invalid(format!(
-                "{file}: {name:?} is no name of a camera file in this folder"
-            )));
+        for (name, what) in [(stated.camera_file(), "a camera file")]
+            .into_iter()
+            .chain(stated.grid_files().map(|name| (name, "a residual grid")))
+        {
+            if !is_plain(name) {
+                return Err(InputError::invalid(format!(
+                    "{file}: {name:?} is no name of {what} in this folder"
+                )));
+            }
         }
         Ok(stated)
     }
@@ -77,6 +98,14 @@ impl Stated {
     #[must_use]
     pub fn camera_file(&self) -> &str {
         &self.identity.camera_file.name
+    }
+
+    /// Names of the files of residual grids, without folders.
+    pub fn grid_files(&self) -> impl Iterator<Item = &str> {
+        self.residual_grids
+            .grids
+            .iter()
+            .map(|grid| grid.file.as_str())
     }
 }
 
@@ -154,12 +183,62 @@ impl<'a> Comparison<'a> {
         }
         let parsed = String::from_utf8(bytes.to_vec())
             .map_err(|error| error.to_string())
-            .and_then(|text| {
-                CameraFile::parse(&stated.name, &text).map_err(|error| error.to_string())
-            });
+            .and_then(|text| self.parsed(&text).map_err(|error| error.to_string()));
         match parsed {
             Err(error) => self.note(false, error),
-            Ok((camera, _)) => self.numbers(&camera),
+            Ok(camera) => {
+                self.numbers(&camera);
+                self.grids(&camera);
+            }
+        }
+    }
+
+    /// Reads the camera file, with its grids from the files that were found.
+    fn parsed(&self, text: &str) -> Result<CameraFile, InputError> {
+        let name = &self.stated.identity.camera_file.name;
+        let read = |grid: &str| {
+            self.files.get(grid).cloned().ok_or_else(|| {
+                InputError::invalid(format!(
+                    "{grid}: there is no such file, and {name} needs it"
+                ))
+            })
+        };
+        let (camera, _, _) = CameraFile::parse_with_grids(name, text, &read)?;
+        Ok(camera)
+    }
+
+    /// Compares the residual grids that the camera file names with those of the content.
+    fn grids(&mut self, camera: &CameraFile) {
+        let stated = &self.stated.residual_grids.grids;
+        for (part, carrier) in [("lens", GridCarrier::Lens), ("sensor", GridCarrier::Sensor)] {
+            let line = stated.iter().find(|grid| grid.part == part);
+            match (line, camera.grid_name(carrier)) {
+                (None, None) => {}
+                (Some(line), Some(name)) if line.file == name => {
+                    let bytes = self.files.get(name).map(Vec::as_slice).unwrap_or_default();
+                    let found = hash::sha256(bytes);
+                    let passed = found == line.sha256;
+                    let text = if passed {
+                        format!("{name}: SHA-256 {found}, CRC-32 {}", line.crc32)
+                    } else {
+                        format!(
+                            "{name}: changed since: its SHA-256 is {found}, the certificate is for {}",
+                            line.sha256
+                        )
+                    };
+                    self.note(passed, text);
+                }
+                (line, name) => {
+                    let stated = line.map_or("none", |line| line.file.as_str());
+                    let name = name.unwrap_or("none");
+                    self.note(
+                        false,
+                        format!(
+                            "residual grid of the {part}: the camera file names {name}, {JSON} {stated}"
+                        ),
+                    );
+                }
+            }
         }
     }
 
@@ -215,7 +294,11 @@ impl<'a> Comparison<'a> {
             .filter_map(|line| line.split_once("  "))
             .map(|(hash, name)| (name, hash))
             .collect();
-        for name in [PDF, HTML, JSON, self.stated.camera_file()] {
+        let stated = self.stated;
+        for name in [PDF, HTML, JSON, stated.camera_file()]
+            .into_iter()
+            .chain(stated.grid_files())
+        {
             let Some(bytes) = self.file(name) else {
                 continue;
             };
@@ -241,7 +324,11 @@ impl<'a> Comparison<'a> {
             Ok(pdf) => pdf,
             Err(error) => return self.note(false, format!("{PDF}: cannot be read: {error}")),
         };
-        for name in [self.stated.camera_file(), JSON] {
+        let stated = self.stated;
+        for name in [stated.camera_file(), JSON]
+            .into_iter()
+            .chain(stated.grid_files())
+        {
             let is_same = pdf.attachments.get(name) == self.files.get(name);
             let verb = if is_same { "is" } else { "is not" };
             self.note(
@@ -294,13 +381,17 @@ impl<'a> Comparison<'a> {
         let bytes = self.files.get(&stated.name).cloned().unwrap_or_default();
         let text = String::from_utf8_lossy(&bytes);
         let mut facts = vec![vec![hash::sha256(&bytes)]];
-        if let Ok((camera, _)) = CameraFile::parse(&stated.name, &text) {
+        if let Ok(camera) = self.parsed(&text) {
             facts.push(vec![hash::crc32(&camera)]);
             for (name, value) in parameters::in_file(&camera) {
                 if let Some(value) = value.and_then(crate::stated::Stated::exact) {
                     facts.push(vec![name.to_owned(), value.text().to_owned()]);
                 }
             }
+        }
+        for grid in &self.stated.residual_grids.grids {
+            facts.push(vec![grid.file.clone(), grid.crc32.clone()]);
+            facts.push(vec![grid.sha256.clone()]);
         }
         facts
     }

@@ -85,6 +85,26 @@ impl Drawing {
         })
     }
 
+    /// Returns the field of the residual grids.
+    pub(crate) fn residual(certificate: &Certificate) -> Self {
+        let pair = |stated: &[Option<Stated>; 2]| stated.each_ref().map(|one| value(one.as_ref()));
+        let arrows = certificate.residual_grids.field.iter().map(|point| {
+            [
+                pair(&point.at_mm),
+                pair(&point.added_um).map(|um| um / 1000.0),
+            ]
+        });
+        Self::Vectors(VectorField {
+            format_mm: certificate
+                .parameters
+                .format_mm
+                .each_ref()
+                .map(|side| value(side.as_ref())),
+            axis: certificate.motion.axis,
+            arrows: arrows.collect(),
+        })
+    }
+
     /// Returns the radial profile.
     pub(crate) fn radial(distortion: &StaticDistortion) -> Self {
         let row = |row: &RadialRow| {

@@ -2,6 +2,10 @@
 
 use fmc_camera_file::CameraFile;
 use fmc_reference::lens::Lens;
+use fmc_reference::residual_splines::ResidualSplines;
+
+use crate::fit::GRID;
+use crate::least_squares::linear;
 
 /// A static interior orientation: the strict model of a camera file without its motion.
 ///
@@ -27,6 +31,8 @@ pub struct Calibrated {
     /// Distance beyond the sensor, to the left and right and to the bottom and top, mm, over which
     /// models are fitted and judged too: 0, or as far as frames of a flight see more of the lens.
     pub beyond_mm: [[f64; 2]; 2],
+    /// Residual grids, which no formula of a program has a place for.
+    pub residual: ResidualSplines,
 }
 
 impl Calibrated {
@@ -48,7 +54,15 @@ impl Calibrated {
                 .unit()
                 .map(|component| component.abs() * half_stroke),
             beyond_mm: [[0.0; 2]; 2],
+            residual: ResidualSplines::default(),
         }
+    }
+
+    /// Returns the same camera with its residual grids: a formula is fitted to polynomial and grids
+    /// together, and judged against both.
+    #[must_use]
+    pub fn with_residual(self, residual: ResidualSplines) -> Self {
+        Self { residual, ..self }
     }
 
     /// Returns the same camera, to be judged over the sensors of frames with these principal points
@@ -130,7 +144,8 @@ impl Calibrated {
         self.pixel_from_sensor(self.principal_point_mm)
     }
 
-    /// Returns the same camera with K0 = 0 and all else divided by 1 - K0.
+    /// Returns the same camera with K0 = 0 and all else divided by 1 - K0, for a camera without
+    /// residual grids.
     #[must_use]
     pub fn without_k0(&self) -> Self {
         let gauge = self.gauge();
@@ -146,13 +161,75 @@ impl Calibrated {
         }
     }
 
-    /// Returns the corrected point about the principal point, mm: `x̄ - D(x̄, ȳ)`.
+    /// Returns the corrected point about the principal point, mm: `x̄ - D(x̄, ȳ)`, residual grids
+    /// included.
     #[must_use]
-    pub fn ideal_from_measured(&self, [x, y]: [f64; 2]) -> [f64; 2] {
-        let [x0, y0] = self.principal_point_mm;
+    pub fn ideal_from_measured(&self, point_mm: [f64; 2]) -> [f64; 2] {
+        let ([x, y], [x0, y0]) = (point_mm, self.principal_point_mm);
         let [x, y] = [x - x0, y - y0];
         let [dx, dy] = self.lens.displacement([x, y]);
-        [x - dx, y - dy]
+        let [more_x, more_y] = self.residual_mm(point_mm);
+        [x - dx - more_x, y - dy - more_y]
+    }
+
+    /// Returns a camera without residual grids: its polynomial comes nearest to that of this camera
+    /// with its grids, by least squares over the sensor.
+    ///
+    /// # Model
+    /// K0..K3, P1 and P2 take up what they can of the grids; f, principal point and affinity stay.
+    #[must_use]
+    pub fn polynomial(&self) -> Self {
+        let mut found = self.clone();
+        if self.residual.is_empty() {
+            return found;
+        }
+        found.residual = ResidualSplines::default();
+        let [x0, y0] = self.principal_point_mm;
+        let mut rows = Vec::new();
+        for point_mm in self.grid_mm(GRID) {
+            let [x, y] = [point_mm[0] - x0, point_mm[1] - y0];
+            let columns = UNIT_LENSES.map(|lens| lens.displacement([x, y]));
+            let [dx, dy] = self.residual_mm(point_mm);
+            rows.push((columns.map(|[x, _]| x), dx));
+            rows.push((columns.map(|[_, y]| y), dy));
+        }
+        if let Some([k0, k1, k2, k3, p1, p2]) = linear(&rows) {
+            let lens = &mut found.lens;
+            for (value, change) in lens.k.iter_mut().zip([k0, k1, k2, k3]) {
+                *value += change;
+            }
+            for (value, change) in lens.p.iter_mut().zip([p1, p2]) {
+                *value += change;
+            }
+        }
+        found
+    }
+
+    /// Returns the ray of a point of a frame, z = 1, y down: of the point where the calibrated
+    /// camera has it, and that of the sensor with its own grid, which does not move; `scale` is
+    /// 1 + κ.
+    pub(crate) fn ray_of_frame(
+        &self,
+        at_rest: [f64; 2],
+        on_sensor: [f64; 2],
+        scale: f64,
+    ) -> [f64; 2] {
+        let [x0, y0] = self.principal_point_mm;
+        let [x, y] = [at_rest[0] - x0, at_rest[1] - y0];
+        let [dx, dy] = self.lens.displacement([x, y]);
+        let [lx, ly] = self.residual.of_lens(at_rest);
+        let [sx, sy] = self.residual.of_sensor(on_sensor);
+        let [x, y] = [x - dx - (lx + sx) / scale, y - dy - (ly + sy) / scale];
+        [
+            x / self.principal_distance_mm,
+            -y / self.principal_distance_mm,
+        ]
+    }
+
+    /// Returns what the residual grids add to the distortion of a measured point, mm.
+    #[must_use]
+    pub fn residual_mm(&self, point_mm: [f64; 2]) -> [f64; 2] {
+        self.residual.calibrated(point_mm)
     }
 
     /// Returns the ray of a measured point, z = 1, y down.
@@ -192,6 +269,29 @@ impl Calibrated {
         )
     }
 }
+
+/// Lenses each with one coefficient of 1: K0..K3, P1, P2.
+const UNIT_LENSES: [Lens; 6] = {
+    const NONE: Lens = Lens {
+        k: [0.0; 4],
+        p: [0.0; 2],
+        b: [0.0; 2],
+    };
+    const fn radial(k: [f64; 4]) -> Lens {
+        Lens { k, ..NONE }
+    }
+    const fn decentring(p: [f64; 2]) -> Lens {
+        Lens { p, ..NONE }
+    }
+    [
+        radial([1.0, 0.0, 0.0, 0.0]),
+        radial([0.0, 1.0, 0.0, 0.0]),
+        radial([0.0, 0.0, 1.0, 0.0]),
+        radial([0.0, 0.0, 0.0, 1.0]),
+        decentring([1.0, 0.0]),
+        decentring([0.0, 1.0]),
+    ]
+};
 
 /// Returns `count` x `count` points of a rectangle, edges included.
 fn grid([[left, right], [bottom, top]]: [[f64; 2]; 2], count: u32) -> Vec<[f64; 2]> {

@@ -68,7 +68,9 @@ pub struct Exported {
 ///
 /// # Accuracy
 /// Exact for programs that correct measured points, but for [`Exported::not_held`]; for the others
-/// the least-squares fit of [`fit::pinhole`], with its residual.
+/// the least-squares fit of [`fit::pinhole`], with its residual. No program has a place for
+/// residual grids: for all of them, formulas are fitted to polynomial and grids together
+/// ([`Calibrated::polynomial`]), and the residual is what is left of both.
 ///
 /// # Errors
 /// [`InputError`] for a model that the program does not have, that folds over the sensor enlarged
@@ -136,7 +138,10 @@ pub fn export(
         model: model.name,
         formula: Formula::Pinhole(read),
         residual: comparison::measured(camera, &read),
-        not_held: not_held(camera, &free(camera, model)),
+        not_held: not_held(camera, &free(camera, model))
+            .into_iter()
+            .chain(grids_not_held(camera))
+            .collect(),
     })
 }
 
@@ -258,10 +263,11 @@ pub(crate) fn difference_um(camera: &Calibrated, one: &Pinhole, other: &Pinhole)
 
 /// Writes the camera of a program that corrects measured points.
 fn corrected(
-    camera: &Calibrated,
+    with_grids: &Calibrated,
     program: Program,
     choices: &Choices<'_>,
 ) -> Result<Exported, InputError> {
+    let camera = &with_grids.polynomial();
     let (name, text, model) = match program {
         Program::OpenTrackIo => (
             opentrackio::FILE.to_owned(),
@@ -308,11 +314,12 @@ fn corrected(
             "{name}: reads back differently"
         )));
     }
+    not_held.extend(grids_not_held(with_grids));
     Ok(Exported {
         files: vec![(name, text.into_bytes())],
         model,
         formula: Formula::Correction(correction),
-        residual,
+        residual: comparison::ideal(with_grids, &correction),
         not_held,
     })
 }
@@ -369,6 +376,15 @@ fn not_held(camera: &Calibrated, held: &[Coefficient]) -> Vec<NotHeld> {
     })
     .filter(|term| term.size_um > 0.0)
     .collect()
+}
+
+/// Returns the residual grids of a camera that has some, with what they add at most.
+fn grids_not_held(camera: &Calibrated) -> Option<NotHeld> {
+    let points = camera.grid_mm(fit::GRID).into_iter();
+    (!camera.residual.is_empty()).then(|| NotHeld {
+        term: "residual grids",
+        size_um: Residual::of(points.map(|point| (point, camera.residual_mm(point)))).largest_um,
+    })
 }
 
 /// Returns the largest displacement over the sensor, µm along one axis.

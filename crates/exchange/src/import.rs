@@ -2,6 +2,7 @@
 
 use fmc_camera_file::InputError;
 use fmc_reference::lens::Lens;
+use fmc_reference::residual_splines::ResidualSplines;
 
 use crate::calibrated::Calibrated;
 use crate::found::{Formula, Found, Stated};
@@ -103,6 +104,7 @@ pub fn import(
         },
         margin_mm: [0.0; 2],
         beyond_mm: [[0.0; 2]; 2],
+        residual: ResidualSplines::default(),
     };
     let pairs: Vec<Pair> = match &found.formula {
         Formula::Pinhole(pinhole) => {

@@ -6,7 +6,9 @@ use fmc_camera::flight::principal_point_sigma::PrincipalPointSigma;
 use fmc_camera::flight::time::Time;
 use fmc_camera::flight::utc::UtcTime;
 use fmc_camera::geometry::calibration::Calibration;
+use fmc_camera::geometry::camera_grids::CameraGrids;
 use fmc_camera::geometry::frame_correction::FrameCorrection;
+use fmc_camera::geometry::gridded_correction::GriddedCorrection;
 use fmc_camera::geometry::principal_distance::{FocusShift, FocusSign};
 use fmc_camera::geometry::principal_point::PrincipalPointMotion;
 
@@ -86,6 +88,47 @@ impl Exposed {
             self.interior.focus_shift_mm,
             self.focus_sign,
         )
+    }
+
+    /// Returns the correction of this frame's points with the residual grids of the camera; `None`
+    /// as in [`Self::correction`].
+    ///
+    /// # Model
+    /// That of [`GriddedFrame`](fmc_camera::flight::gridded_frame::GriddedFrame), with the bits
+    /// that the camera itself computes.
+    #[must_use]
+    pub fn gridded<'a>(
+        &self,
+        calibration: &Calibration,
+        grids: &CameraGrids<'a>,
+    ) -> Option<GriddedCorrection<'a>> {
+        let correction = self.correction(calibration)?;
+        let interior = &self.interior;
+        Some(gridded(
+            correction,
+            grids,
+            interior.model,
+            &interior.motion,
+            interior.enlargement,
+        ))
+    }
+}
+
+/// Returns the correction of a frame with the residual grids of its camera: the model decides
+/// whether the grid of the lens moves.
+pub(crate) fn gridded<'a>(
+    correction: FrameCorrection,
+    grids: &CameraGrids<'a>,
+    model: CorrectionModel,
+    motion: &PrincipalPointMotion,
+    enlargement: f32,
+) -> GriddedCorrection<'a> {
+    match model {
+        CorrectionModel::Static => GriddedCorrection::calibrated(correction, grids),
+        CorrectionModel::Exact => {
+            GriddedCorrection::exposed(correction, grids, motion, enlargement)
+        }
+        CorrectionModel::Fitted => GriddedCorrection::exposed(correction, grids, motion, 0.0),
     }
 }
 

@@ -3,21 +3,23 @@
 use fmc_camera::flight::camera::Camera;
 use fmc_camera::flight::settings::FlightSettings;
 use fmc_camera::geometry::calibration::Calibration;
+use fmc_camera::geometry::camera_grids::CameraGrids;
 use fmc_camera::io::link::digest;
-use fmc_camera_file::{CameraFile, InputError};
+use fmc_camera_file::{CameraFile, GridFiles, GridRefusal, InputError};
 
 /// A camera file as records refer to it: the validated camera, and the CRC-32 that they carry.
 #[derive(Debug, Clone)]
 pub struct FrameCamera {
     name: String,
     camera: Camera,
+    grids: GridFiles,
     /// CRC-32 of the parameters as the file has them, and as the camera is given them for a flight
     /// with the default settings: a largest V/H that the file does not state follows from those.
     crcs: [u32; 2],
 }
 
 impl FrameCamera {
-    /// Creates the camera of a file; `name` is the file's in messages.
+    /// Creates the camera of a file without residual grids; `name` is the file's in messages.
     ///
     /// # Errors
     /// [`InputError`] for a calibration that the camera does not accept.
@@ -29,8 +31,44 @@ impl FrameCamera {
         Ok(Self {
             name: name.to_owned(),
             camera,
+            grids: GridFiles::default(),
             crcs: [flown, parameters].map(|one| digest::of_camera(&one).unwrap_or_default()),
         })
+    }
+
+    /// Creates the camera of a file with the residual grids that it names; its frames state what
+    /// those leave out.
+    ///
+    /// # Errors
+    /// As [`Self::new`], also for grids that do not fit the camera.
+    pub fn with_grids(name: &str, file: &CameraFile, grids: GridFiles) -> Result<Self, InputError> {
+        let without = Self::new(name, file)?;
+        let refused = |error: GridRefusal| InputError::invalid(format!("{name}: {error}"));
+        let camera = {
+            let fitting = grids.grids(without.calibration()).map_err(refused)?;
+            without.camera.bounded_by(&fitting)
+        };
+        Ok(Self {
+            camera,
+            grids,
+            ..without
+        })
+    }
+
+    /// Returns the residual grids; a camera without has empty ones.
+    ///
+    /// # Errors
+    /// [`InputError`] for grids that do not fit the camera, which [`Self::with_grids`] refuses.
+    pub fn grids(&self) -> Result<CameraGrids<'_>, InputError> {
+        self.grids
+            .grids(self.calibration())
+            .map_err(|error| InputError::invalid(format!("{}: {error}", self.name)))
+    }
+
+    /// Files of the residual grids.
+    #[must_use]
+    pub const fn grid_files(&self) -> &GridFiles {
+        &self.grids
     }
 
     /// The validated camera.

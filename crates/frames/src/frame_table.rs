@@ -7,13 +7,15 @@ use fmc_camera::flight::principal_point_sigma::PrincipalPointSigma;
 use fmc_camera::flight::time::Time;
 use fmc_camera::flight::utc::UtcTime;
 use fmc_camera::geometry::calibration::Calibration;
+use fmc_camera::geometry::camera_grids::CameraGrids;
 use fmc_camera::geometry::frame_correction::FrameCorrection;
+use fmc_camera::geometry::gridded_correction::GriddedCorrection;
 use fmc_camera::geometry::moments::CentralMoments;
 use fmc_camera::geometry::principal_distance::FocusSign;
 use fmc_camera::geometry::principal_point::PrincipalPointMotion;
 use fmc_camera_file::InputError;
 
-use crate::frame::correction;
+use crate::frame::{correction, gridded};
 use crate::{FlightFrame, Outcome};
 
 /// The numbers of a frame on which image coordinates depend: [`FrameRow::BYTES`] in memory, so
@@ -71,6 +73,24 @@ impl FrameRow {
             }
             RowOutcome::Refused(_) => None,
         }
+    }
+
+    /// Returns the correction of the frame's points with the residual grids of the camera; `None`
+    /// as in [`Self::correction`].
+    #[must_use]
+    pub fn gridded<'a>(
+        &self,
+        calibration: &Calibration,
+        grids: &CameraGrids<'a>,
+    ) -> Option<GriddedCorrection<'a>> {
+        let (correction, model) = (self.correction(calibration)?, self.model()?);
+        Some(gridded(
+            correction,
+            grids,
+            model,
+            &self.motion,
+            self.enlargement,
+        ))
     }
 
     /// Returns `true` if the trigger was refused.

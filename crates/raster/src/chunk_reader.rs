@@ -19,6 +19,9 @@ pub(crate) const AT_ONCE_BYTES: u64 = 16 << 20;
 /// Largest window of a longer chunk of zstd, as a power of 2: 64 MiB, more than level 20 takes.
 const WINDOW_LOG: u32 = 26;
 
+/// Message of zlib for another checksum than that of the bytes.
+const WRONG_CHECKSUM: &str = "incorrect data check";
+
 /// Lengths of a strip or tile.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ChunkBytes {
@@ -28,6 +31,8 @@ pub(crate) struct ChunkBytes {
     pub(crate) decoded: u64,
     /// Of a decoded row.
     pub(crate) row: usize,
+    /// The chunk is decoded row by row, however short it is.
+    pub(crate) streams: bool,
 }
 
 /// Decoder of one strip or tile. Every codec streams, so that a strip may be longer than memory.
@@ -52,9 +57,10 @@ impl ChunkReader {
             compressed: compressed_bytes,
             decoded: decoded_bytes,
             row,
+            streams,
         } = lengths;
-        if compression == Compression::Zstd && decoded_bytes.max(compressed_bytes) <= AT_ONCE_BYTES
-        {
+        let is_short = !streams && decoded_bytes.max(compressed_bytes) <= AT_ONCE_BYTES;
+        if compression == Compression::Zstd && is_short {
             let decoded = at_once.decode(&mut segment, compressed_bytes, decoded_bytes)?;
             return Ok(Self::Decoded(Cursor::new(decoded)));
         }
@@ -89,15 +95,18 @@ impl ChunkReader {
     pub(crate) fn finish(&mut self) -> io::Result<()> {
         if let Self::Deflate(_) | Self::Zstd(_) = self {
             self.read(&mut [0]).map_err(|error| match error.kind() {
-                io::ErrorKind::UnexpectedEof => io::Error::new(
-                    io::ErrorKind::InvalidData,
-                    "the checksum behind its rows is cut off",
-                ),
+                io::ErrorKind::UnexpectedEof => {
+                    invalid("the checksum behind its rows is cut off or missing")
+                }
                 _ => error,
             })?;
         }
         Ok(())
     }
+}
+
+fn invalid(fault: &'static str) -> io::Error {
+    io::Error::new(io::ErrorKind::InvalidData, fault)
 }
 
 impl Read for ChunkReader {
@@ -178,8 +187,14 @@ impl Read for Inflated {
             let consumed = since(before_in, self.inflate.total_in());
             let produced = since(before_out, self.inflate.total_out());
             self.reader.consume(consumed);
-            let status = status
-                .map_err(|error| io::Error::new(io::ErrorKind::InvalidData, error.as_str()))?;
+            let status = status.map_err(|error| {
+                let fault = self.inflate.error_message().unwrap_or(error.as_str());
+                invalid(if fault == WRONG_CHECKSUM {
+                    "the checksum behind its rows is not that of its bytes"
+                } else {
+                    fault
+                })
+            })?;
             self.done = status == Status::StreamEnd;
             if produced > 0 {
                 return Ok(produced);

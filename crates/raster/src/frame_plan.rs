@@ -6,6 +6,9 @@ use crate::tag::Tag;
 /// Largest decoded strip or tile that is compressed; a compressed input whose strips are longer
 /// gets strips of [`SHORT_STRIP_ROWS`].
 pub const CHUNK_LIMIT_BYTES: u64 = 64 << 20;
+/// Longest row of tiles that an output has because its input has it; those of a longer one become
+/// strips of [`SHORT_STRIP_ROWS`].
+pub const TILE_ROW_LIMIT_BYTES: u64 = 256 << 20;
 /// Rows of the strips that replace longer ones.
 pub const SHORT_STRIP_ROWS: u32 = 64;
 /// Largest file whose offsets have 32 bits, with room for what programs append.
@@ -73,8 +76,9 @@ impl FramePlan {
     /// Lays out an output of a size as its input, but for what is asked.
     ///
     /// Planes become chunky, Deflate of either number becomes 8. A compressed input with strips
-    /// above [`CHUNK_LIMIT_BYTES`] gets strips of [`SHORT_STRIP_ROWS`], which
-    /// [`FramePlan::chunks`] tells.
+    /// above [`CHUNK_LIMIT_BYTES`], and one with tiles above it or with a row of tiles above
+    /// [`TILE_ROW_LIMIT_BYTES`], gets strips of [`SHORT_STRIP_ROWS`], which [`FramePlan::chunks`]
+    /// tells.
     /// BigTIFF is kept, and taken whenever a bound of the length exceeds [`CLASSIC_LIMIT_BYTES`].
     ///
     /// # Errors
@@ -186,6 +190,17 @@ impl FramePlan {
         u64::from(width) * u64::from(height) * u64::from(self.samples) * u64::from(self.bits / 8)
     }
 
+    /// Returns the bytes of a row of tiles, of the part within the frame; 0 for strips.
+    fn tile_row_bytes(&self) -> u64 {
+        match self.chunks {
+            Chunks::Strips { .. } => 0,
+            Chunks::Tiles { height_px, .. } => {
+                let row = self.row_samples() as u64 * u64::from(self.bits / 8);
+                row * u64::from(height_px.min(self.height_px))
+            }
+        }
+    }
+
     /// Samples beyond the photometric interpretation must be named (TIFF 6.0, page 31).
     fn complete_extra_samples(&mut self) {
         let own = if self.photometric == 2 { 3 } else { 1 };
@@ -219,7 +234,9 @@ impl FramePlan {
         let (bytes, limit) = (self.chunk_bytes(), CHUNK_LIMIT_BYTES);
         // Strips pass through uncompressed; tiles that are asked for are at most 8192 px wide.
         let is_bounded = options.chunks.is_some() || matches!(self.chunks, Chunks::Strips { .. });
-        if bytes <= limit || (self.compression == Compression::None && is_bounded) {
+        let is_bounded = self.compression == Compression::None && is_bounded;
+        let is_held = options.chunks.is_none() && self.tile_row_bytes() > TILE_ROW_LIMIT_BYTES;
+        if !is_held && (bytes <= limit || is_bounded) {
             return Ok(());
         }
         if options.chunks.is_some() {
@@ -247,7 +264,15 @@ mod tests {
             format!("tags of more than {} MiB together", TAGS_LIMIT_BYTES >> 20),
             format!("one strip of zstd up to {} MiB", AT_ONCE_BYTES >> 20),
             format!(
-                "whose strips hold more than {} MiB gets strips of {SHORT_STRIP_ROWS} rows",
+                "a row of tiles of up to {} MiB",
+                crate::frame_reader::TILES_HELD_BYTES >> 20
+            ),
+            format!(
+                "row of tiles holds more than {} MiB",
+                super::TILE_ROW_LIMIT_BYTES >> 20
+            ),
+            format!(
+                "whose strips or tiles hold more than {} MiB gets strips of {SHORT_STRIP_ROWS} rows",
                 CHUNK_LIMIT_BYTES >> 20
             ),
         ] {

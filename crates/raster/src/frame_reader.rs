@@ -17,8 +17,13 @@ use crate::read_error::ReadError;
 use crate::sample::{Sample, integrate, typed_buffer};
 use crate::source::{Segment, Source};
 
+/// Longest row of tiles that is decoded as a whole; the tiles of a longer one are decoded side by
+/// side, row by row.
+pub const TILES_HELD_BYTES: u64 = 64 << 20;
+
 /// A frame of a TIFF whose rows are read in order, with bounded memory: strips row by row whatever
-/// their length, tiles one row of tiles at a time. It may be moved to the thread that decodes.
+/// their length, tiles one row of tiles at a time, or row by row if that is longer than
+/// [`TILES_HELD_BYTES`] or what [`Self::holding`] says. It may be moved to the thread that decodes.
 ///
 /// Of several pages, the first of full resolution is the frame ([`Metadata::dropped`] names the
 /// others).
@@ -28,12 +33,14 @@ pub struct FrameReader {
     table: ChunkTable,
     metadata: Metadata,
     next_row: u32,
-    /// Decoders of the open strips, one per plane, and their numbers.
-    strips: Vec<(usize, ChunkReader)>,
+    /// Decoders of the open strips, one per plane, or of the tiles that are decoded side by side,
+    /// and their numbers.
+    open: Vec<(usize, ChunkReader)>,
     /// Rows of tiles, or one row of a plane; `u16` for the alignment of both kinds of samples.
     buffer: Vec<u16>,
     plane_row: Vec<u16>,
     at_once: AtOnce,
+    held_bytes: u64,
 }
 
 impl FrameReader {
@@ -67,11 +74,20 @@ impl FrameReader {
             table,
             metadata,
             next_row: 0,
-            strips: Vec::new(),
+            open: Vec::new(),
             buffer: Vec::new(),
             plane_row: Vec::new(),
             at_once: AtOnce::default(),
+            held_bytes: TILES_HELD_BYTES,
         })
+    }
+
+    /// Selects the longest row of tiles that is decoded as a whole, decoded bytes. To be called
+    /// before rows are read.
+    #[must_use]
+    pub fn holding(mut self, tiles_bytes: u64) -> Self {
+        self.held_bytes = tiles_bytes;
+        self
     }
 
     /// Returns the facts of the pixels.
@@ -118,6 +134,9 @@ impl FrameReader {
             let (now, later) = rest.split_at_mut_checked(length).unwrap_or_default();
             match self.header.chunks {
                 Chunks::Strips { .. } => self.strip_rows(inside, now)?,
+                Chunks::Tiles { .. } if self.has_long_tiles() => {
+                    self.long_tile_rows(inside, now)?;
+                }
                 Chunks::Tiles { .. } => self.tile_rows(inside, now)?,
             }
             self.next_row += count;
@@ -130,19 +149,7 @@ impl FrameReader {
     fn strip_rows<S: Sample>(&mut self, inside: u32, rows: &mut [S]) -> Result<(), ReadError> {
         let down = pixels(self.next_row / self.table.height_px);
         if inside == 0 {
-            for (_, reader) in self.strips.drain(..) {
-                reader.recycle(&mut self.at_once);
-            }
-            let planes = if self.header.planar {
-                self.header.samples
-            } else {
-                1
-            };
-            for plane in 0..usize::from(planes) {
-                let index = self.table.index(plane, down, 0);
-                let reader = self.chunk(index)?;
-                self.strips.push((index, reader));
-            }
+            self.open_chunks(down, 1)?;
         }
         let row = self.next_row;
         let samples = usize::from(self.header.samples);
@@ -150,27 +157,85 @@ impl FrameReader {
         if self.header.planar {
             let width = pixels(self.header.width_px);
             for pixels in rows.chunks_exact_mut(width * samples) {
-                for (plane, (index, reader)) in self.strips.iter_mut().enumerate() {
+                for (plane, (index, reader)) in self.open.iter_mut().enumerate() {
                     let plane_row = typed_buffer::<S>(&mut self.plane_row, width);
                     read(reader, plane_row).map_err(|error| chunk_error(*index, row, &error))?;
                     repair.row(plane_row, 1);
                     scatter(pixels, plane_row, plane, samples);
                 }
             }
-        } else if let Some((index, reader)) = self.strips.first_mut() {
+        } else if let Some((index, reader)) = self.open.first_mut() {
             read(reader, rows).map_err(|error| chunk_error(*index, row, &error))?;
             for row in rows.chunks_exact_mut(self.header.row_samples()) {
                 repair.row(row, samples);
             }
         }
-        let read_rows = rows.len() / self.header.row_samples();
-        if inside as usize + read_rows == pixels(self.table.rows(&self.header, down)) {
-            for (index, reader) in &mut self.strips {
-                let end = reader.finish();
-                end.map_err(|error| chunk_error(*index, row, &error))?;
+        let end = pixels(self.table.rows(&self.header, down));
+        self.finish_at(
+            end,
+            inside as usize + rows.len() / self.header.row_samples(),
+        )
+    }
+
+    /// Opens the strips or tiles of all planes at a row of them.
+    fn open_chunks(&mut self, down: usize, across: usize) -> Result<(), ReadError> {
+        for (_, reader) in self.open.drain(..) {
+            reader.recycle(&mut self.at_once);
+        }
+        let planes = if self.header.planar {
+            self.header.samples
+        } else {
+            1
+        };
+        for plane in 0..usize::from(planes) {
+            for column in 0..across {
+                let index = self.table.index(plane, down, column);
+                let reader = self.chunk(index)?;
+                self.open.push((index, reader));
             }
         }
         Ok(())
+    }
+
+    /// Reads the ends of the open strips or tiles once all their rows have been read.
+    fn finish_at(&mut self, end: usize, read_rows: usize) -> Result<(), ReadError> {
+        if read_rows == end {
+            for (index, reader) in &mut self.open {
+                let end = reader.finish();
+                end.map_err(|error| chunk_error(*index, self.next_row, &error))?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Returns true if the tiles are decoded side by side, row by row.
+    fn has_long_tiles(&self) -> bool {
+        let rows = u64::from(self.table.height_px.min(self.header.height_px));
+        let row = self.header.row_samples() as u64 * self.header.sample_bytes() as u64;
+        matches!(self.header.chunks, Chunks::Tiles { .. }) && row * rows > self.held_bytes
+    }
+
+    /// Reads rows of one row of tiles, all of which are open.
+    fn long_tile_rows<S: Sample>(&mut self, inside: u32, rows: &mut [S]) -> Result<(), ReadError> {
+        let down = pixels(self.next_row / self.table.height_px);
+        let across = self.table.across;
+        if inside == 0 {
+            self.open_chunks(down, across)?;
+        }
+        let row_samples = self.header.row_samples();
+        let parts = TileParts::of(&self.header, self.table.width_px);
+        let row = self.next_row;
+        for row_pixels in rows.chunks_exact_mut(row_samples) {
+            for (number, (index, reader)) in self.open.iter_mut().enumerate() {
+                let (plane, column) = (number / across, number % across);
+                parts
+                    .read(reader, row_pixels, [plane, column], &mut self.plane_row)
+                    .map_err(|error| chunk_error(*index, row, &error))?;
+            }
+        }
+        // The rows of the last tiles that fill them up are not read.
+        let read_rows = inside as usize + rows.len() / row_samples;
+        self.finish_at(pixels(self.table.height_px), read_rows)
     }
 
     /// Copies rows of one row of tiles, which is decoded as its first row is read.
@@ -194,43 +259,27 @@ impl FrameReader {
 
     /// Decodes a row of tiles.
     fn decode_tiles<S: Sample>(&mut self, down: usize, rows: &mut [S]) -> Result<(), ReadError> {
-        let samples = usize::from(self.header.samples);
-        let (planes, chunk_samples) = if self.header.planar {
-            (samples, 1)
+        let parts = TileParts::of(&self.header, self.table.width_px);
+        let planes = if self.header.planar {
+            usize::from(self.header.samples)
         } else {
-            (1, samples)
+            1
         };
-        let width = pixels(self.table.width_px);
         let row = self.next_row;
-        let repair = Repair::of(&self.header);
+        let whole = rows.len() == pixels(self.table.height_px) * self.header.row_samples();
         let mut tile_row = std::mem::take(&mut self.plane_row);
         for plane in 0..planes {
             for column in 0..self.table.across {
                 let index = self.table.index(plane, down, column);
                 let mut reader = self.chunk(index)?;
-                let whole = rows.len() == pixels(self.table.height_px) * self.header.row_samples();
-                let first = column * width * samples;
+                let failed = |error| chunk_error(index, row, &error);
                 for row_pixels in rows.chunks_exact_mut(self.header.row_samples()) {
-                    let failed = |error| chunk_error(index, row, &error);
-                    let pixels = row_pixels.get_mut(first..).unwrap_or_default();
-                    let tile = typed_buffer::<S>(&mut tile_row, width * chunk_samples);
-                    if self.header.planar {
-                        read(&mut reader, tile).map_err(failed)?;
-                        repair.row(tile, 1);
-                        scatter(pixels, tile, plane, samples);
-                    } else {
-                        // The columns of the frame, then those that fill up the tile.
-                        let inside = tile.len().min(pixels.len());
-                        let (pixels, _) = pixels.split_at_mut_checked(inside).unwrap_or_default();
-                        let (_, beyond) = tile.split_at_mut_checked(inside).unwrap_or_default();
-                        read(&mut reader, pixels).map_err(failed)?;
-                        repair.row(pixels, samples);
-                        read(&mut reader, beyond).map_err(failed)?;
-                    }
+                    parts
+                        .read(&mut reader, row_pixels, [plane, column], &mut tile_row)
+                        .map_err(failed)?;
                 }
                 if whole {
-                    let end = reader.finish();
-                    end.map_err(|error| chunk_error(index, row, &error))?;
+                    reader.finish().map_err(failed)?;
                 }
                 reader.recycle(&mut self.at_once);
             }
@@ -254,6 +303,7 @@ impl FrameReader {
             compressed,
             decoded,
             row,
+            streams: self.has_long_tiles(),
         };
         ChunkReader::open(self.header.compression, segment, lengths, &mut self.at_once)
             .map_err(|error| chunk_error(index, self.next_row, &error))
@@ -294,6 +344,56 @@ impl Repair {
         if self.predictor {
             integrate(row, samples);
         }
+    }
+}
+
+/// Parts of a frame's rows that lie in tiles.
+#[derive(Clone, Copy)]
+struct TileParts {
+    samples: usize,
+    planar: bool,
+    width: usize,
+    repair: Repair,
+}
+
+impl TileParts {
+    fn of(header: &Header, tile_width_px: u32) -> Self {
+        Self {
+            samples: usize::from(header.samples),
+            planar: header.planar,
+            width: pixels(tile_width_px),
+            repair: Repair::of(header),
+        }
+    }
+
+    /// Reads the next row of a tile into a row of the frame; the tile lies in a plane and a column
+    /// of tiles.
+    fn read<S: Sample>(
+        self,
+        reader: &mut ChunkReader,
+        row: &mut [S],
+        [plane, column]: [usize; 2],
+        buffer: &mut Vec<u16>,
+    ) -> io::Result<()> {
+        let samples = self.samples;
+        let pixels = row
+            .get_mut(column * self.width * samples..)
+            .unwrap_or_default();
+        if self.planar {
+            let tile = typed_buffer::<S>(buffer, self.width);
+            read(reader, tile)?;
+            self.repair.row(tile, 1);
+            scatter(pixels, tile, plane, samples);
+            return Ok(());
+        }
+        // The columns of the frame, then those that fill up the tile.
+        let tile = typed_buffer::<S>(buffer, self.width * samples);
+        let inside = tile.len().min(pixels.len());
+        let (pixels, _) = pixels.split_at_mut_checked(inside).unwrap_or_default();
+        let (_, beyond) = tile.split_at_mut_checked(inside).unwrap_or_default();
+        read(reader, pixels)?;
+        self.repair.row(pixels, samples);
+        read(reader, beyond)
     }
 }
 

@@ -73,6 +73,7 @@ mod chunk_encoder;
 mod chunk_reader;
 mod chunk_table;
 mod container;
+mod description_crc;
 mod frame_plan;
 mod frame_reader;
 mod header;
@@ -93,8 +94,9 @@ pub use chunk_encoder::{ChunkEncoder, Piece};
 pub use container::Value;
 pub use frame_plan::{
     CHUNK_LIMIT_BYTES, CLASSIC_LIMIT_BYTES, FramePlan, PlanError, PlanOptions, SHORT_STRIP_ROWS,
+    TILE_ROW_LIMIT_BYTES,
 };
-pub use frame_reader::FrameReader;
+pub use frame_reader::{FrameReader, TILES_HELD_BYTES};
 pub use header::{ByteOrder, Chunks, Compression, Header};
 pub use mask::Mask;
 pub use metadata::{Dropped, Metadata};

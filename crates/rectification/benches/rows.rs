@@ -5,8 +5,10 @@
 //! `cargo bench -p fmc-rectification --bench rows [-- ROUNDS [WIDTH HEIGHT]] [NAME…]`: every
 //! contender, or every one whose name has one of these words in it, is
 //! timed once per round, so that all meet the same state of the machine. `OpenCV` takes part if
-//! `python3`, or the program that `PYTHON` names, has it (`opencv-python-headless`); its maps are
-//! ready before it is timed. Prints CSV: contender, least and median ns per pixel.
+//! `python3` has it (`opencv-python-headless`), or every program that `PYTHON` names, one behind the
+//! other with colons between them: several versions are timed in turns. Its maps are ready before it
+//! is timed. Prints CSV: contender, least and median ns per pixel, and for every kernel how many
+//! times as long the same kernel of each `OpenCV` takes, by the least and by the median.
 
 #![expect(
     clippy::unwrap_used,
@@ -42,6 +44,13 @@ mod unix {
     const BANDS: usize = 3;
     const PYTHON: &str = include_str!("remap.py");
     const OF_OPENCV: [&str; 4] = ["nearest", "linear", "cubic", "lanczos4"];
+    /// Kernels, and those of `OpenCV` that they are compared with.
+    const SAME: [(&str, &str); 4] = [
+        ("nearest", "nearest"),
+        ("bilinear", "linear"),
+        ("bicubic", "cubic"),
+        ("lanczos3", "lanczos4"),
+    ];
 
     /// Processor time of this process, s.
     fn now_s() -> f64 {
@@ -58,8 +67,20 @@ mod unix {
     }
 
     impl OpenCv {
-        fn start(made: &Rectification, [width, height]: [u32; 2]) -> Option<Self> {
-            let python = std::env::var("PYTHON").unwrap_or_else(|_| "python3".into());
+        /// Starts all that `PYTHON` names.
+        fn all(made: &Rectification, size_px: [u32; 2]) -> Vec<Self> {
+            let names = std::env::var("PYTHON").unwrap_or_else(|_| "python3".into());
+            let started = names.split(':').map(|python| {
+                let started = Self::start(python, made, size_px);
+                if started.is_none() {
+                    eprintln!("{python}: no OpenCV takes part");
+                }
+                started
+            });
+            started.flatten().collect()
+        }
+
+        fn start(python: &str, made: &Rectification, [width, height]: [u32; 2]) -> Option<Self> {
             let mut child = Command::new(python)
                 .args(["-c", PYTHON, &width.to_string(), &height.to_string()])
                 .stdin(Stdio::piped())
@@ -163,9 +184,11 @@ mod unix {
         let rows: Vec<&[u16]> = source.chunks(row).collect();
         let mut out = vec![1_u16; row * height];
         let mut mask = vec![1_u8; width];
-        let mut opencv = is_asked("OpenCV")
-            .then(|| OpenCv::start(&first, size_px))
-            .flatten();
+        let mut opencv = if is_asked("OpenCV") {
+            OpenCv::all(&first, size_px)
+        } else {
+            Vec::new()
+        };
 
         let mut contenders: Vec<(String, Vec<f64>)> = vec![("memcpy".into(), Vec::new())];
         let mut all = Vec::new();
@@ -178,7 +201,7 @@ mod unix {
                 }
             }
         }
-        if let Some(opencv) = &opencv {
+        for opencv in &opencv {
             for kernel in OF_OPENCV {
                 contenders.push((format!("OpenCV {} {kernel}", opencv.version), Vec::new()));
             }
@@ -198,21 +221,30 @@ mod unix {
                 }
                 times.next().unwrap().push(now_s() - start);
             }
-            if let Some(opencv) = &mut opencv {
+            for opencv in &mut opencv {
                 for kernel in OF_OPENCV {
                     times.next().unwrap().push(opencv.seconds(kernel));
                 }
             }
         }
         println!("contender,least_ns_per_px,median_ns_per_px");
+        let mut found = Vec::new();
         for (name, mut times) in contenders {
             times.sort_by(f64::total_cmp);
-            let ns = |seconds: f64| 1e9 * seconds / pixels;
-            println!(
-                "{name},{:.3},{:.3}",
-                ns(times[0]),
-                ns(times[times.len() / 2])
-            );
+            let ns = [times[0], times[times.len() / 2]].map(|seconds| 1e9 * seconds / pixels);
+            println!("{name},{:.3},{:.3}", ns[0], ns[1]);
+            found.push((name, ns));
+        }
+        println!("contender,beside,least_ratio,median_ratio");
+        for (name, ns) in &found {
+            let kernel = name.split(' ').next().unwrap_or_default();
+            let Some((_, of_opencv)) = SAME.iter().find(|(ours, _)| *ours == kernel) else {
+                continue;
+            };
+            let is_same = |other: &str| other.starts_with("OpenCV ") && other.ends_with(of_opencv);
+            for (other, its) in found.iter().filter(|(other, _)| is_same(other)) {
+                println!("{name},{other},{:.2},{:.2}", its[0] / ns[0], its[1] / ns[1]);
+            }
         }
     }
 }

@@ -24,7 +24,9 @@ impl SourceBounds {
     /// `A·D''(A·u, A·u)` along u. Both are evaluated in the middle of cells. To a cell's corner, h
     /// away, A changes at most to `|A|/(1 - h|A||D''|)`, and the second derivative by
     /// `h(|A|³|D'''| + 3|A|⁴|D''|²)`, with |D''| and |D'''| at their largest within the cell's
-    /// largest radius.
+    /// largest radius. Residual grids G are taken by their bounds: A is at most
+    /// `|A|/(1 - |A|(h|D''| + |G'|))`, and the second derivative changes by `|A|³|G''| +
+    /// 3|A|⁴|D''||G'|` more.
     pub(crate) fn over(form: &Form, half_mm: [f64; 2]) -> Option<Self> {
         let mut cells = CELLS[0];
         while cells <= CELLS[1] {
@@ -43,22 +45,25 @@ impl SourceBounds {
         };
         let side = half_mm.map(|half| 2.0 * half / f64::from(cells));
         let reach = 0.5 * length(side);
+        let residual = form.residual_bounds();
         for row in 0..cells {
             for col in 0..cells {
                 let middle = [
                     (f64::from(col) + 0.5) * side[0] - half_mm[0],
                     (f64::from(row) + 0.5) * side[1] - half_mm[1],
                 ];
-                let inverse = inverse(form.jacobian(middle))?;
+                let inverse = inverse(form.polynomial_jacobian(middle))?;
                 let (_, r2) = form.centred(middle);
                 let [second, third] = form.largest_derivatives(r2.sqrt() + reach);
-                let left = 1.0 - reach * norm(inverse) * second;
+                let turned = reach * second + residual.slope;
+                let left = 1.0 - norm(inverse) * turned;
                 // Otherwise the cells are too large, or the map folds.
                 (left >= 0.5).then_some(())?;
                 let stretch = norm(inverse) / left;
                 found.stretch = found.stretch.max(stretch);
                 let cube = stretch * stretch * stretch;
-                let change = reach * cube * (third + 3.0 * stretch * second * second);
+                let change =
+                    cube * (reach * third + residual.curvature + 3.0 * stretch * second * turned);
                 for (largest, axis) in found.second_per_mm.iter_mut().zip([[1.0, 0.0], [0.0, 1.0]])
                 {
                     let along = times(inverse, axis);

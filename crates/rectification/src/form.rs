@@ -1,6 +1,8 @@
 //! A frame's correction in double precision, continued beyond the sensor.
 
-use fmc_camera::geometry::frame_correction::FrameCorrection;
+use fmc_camera::geometry::gridded_correction::GriddedCorrection;
+
+use crate::placed_spline::PlacedSpline;
 
 /// Length of a Newton step, mm, after which the next would be far below rounding: the second
 /// derivative of the distortion times its square.
@@ -12,8 +14,8 @@ const MAX_STEPS: usize = 12;
 /// A matrix by rows.
 pub(crate) type Matrix = [[f64; 2]; 2];
 
-/// The evaluation form of a frame with all its terms, in double precision.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// The evaluation form of a frame with all its terms and its residual grids, in double precision.
+#[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Form {
     centre: [f64; 2],
     k: [f64; 4],
@@ -21,11 +23,23 @@ pub(crate) struct Form {
     g: [f64; 2],
     b: [f64; 2],
     t: [f64; 2],
+    residual: Vec<PlacedSpline>,
+}
+
+/// Bounds of the residual grids, anywhere.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct ResidualBounds {
+    /// Of their derivatives.
+    pub(crate) slope: f64,
+    /// Of their second derivatives, mm⁻¹.
+    pub(crate) curvature: f64,
 }
 
 impl Form {
-    pub(crate) fn new(correction: &FrameCorrection) -> Self {
-        let (form, centre) = (correction.form(), correction.centre());
+    pub(crate) fn new(correction: &GriddedCorrection<'_>) -> Self {
+        let polynomial = correction.polynomial();
+        let (form, centre) = (polynomial.form(), polynomial.centre());
+        let grids = [correction.lens(), correction.sensor()];
         Self {
             centre: [centre.x_mm, centre.y_mm].map(f64::from),
             k: [form.k0, form.k1, form.k2, form.k3].map(f64::from),
@@ -33,6 +47,7 @@ impl Form {
             g: [form.gx, form.gy].map(f64::from),
             b: [form.b1, form.b2].map(f64::from),
             t: [form.tx, form.ty].map(f64::from),
+            residual: grids.into_iter().flatten().map(PlacedSpline::of).collect(),
         }
     }
 
@@ -56,8 +71,8 @@ impl Form {
         ]
     }
 
-    /// Returns the distortion of a measured point, measured - ideal, mm.
-    pub(crate) fn distortion(&self, measured: [f64; 2]) -> [f64; 2] {
+    /// Returns the distortion of a measured point by the polynomial, mm.
+    fn polynomial(&self, measured: [f64; 2]) -> [f64; 2] {
         let ([x, y], r2) = self.centred(measured);
         let gain = self.gain([x, y], r2);
         [
@@ -66,8 +81,41 @@ impl Form {
         ]
     }
 
-    /// Returns the derivatives of the distortion at a measured point.
-    pub(crate) fn jacobian(&self, measured: [f64; 2]) -> Matrix {
+    /// Returns the distortion of a measured point, measured - ideal, mm.
+    pub(crate) fn distortion(&self, measured: [f64; 2]) -> [f64; 2] {
+        let mut sum = self.polynomial(measured);
+        for grid in &self.residual {
+            let ([dx, dy], _) = grid.at(measured);
+            sum = [sum[0] + dx, sum[1] + dy];
+        }
+        sum
+    }
+
+    /// Returns the distortion of a measured point, mm, and its derivatives.
+    pub(crate) fn with_jacobian(&self, measured: [f64; 2]) -> ([f64; 2], Matrix) {
+        let mut distortion = self.polynomial(measured);
+        let mut jacobian = self.polynomial_jacobian(measured);
+        for grid in &self.residual {
+            let ([dx, dy], of_grid) = grid.at(measured);
+            distortion = [distortion[0] + dx, distortion[1] + dy];
+            for (sum, of_grid) in jacobian.iter_mut().flatten().zip(of_grid.iter().flatten()) {
+                *sum += of_grid;
+            }
+        }
+        (distortion, jacobian)
+    }
+
+    /// Returns the bounds of the residual grids together.
+    pub(crate) fn residual_bounds(&self) -> ResidualBounds {
+        let sum = |of: fn(&PlacedSpline) -> f64| self.residual.iter().map(of).sum();
+        ResidualBounds {
+            slope: sum(PlacedSpline::slope),
+            curvature: sum(PlacedSpline::curvature),
+        }
+    }
+
+    /// Returns the derivatives of the polynomial at a measured point.
+    pub(crate) fn polynomial_jacobian(&self, measured: [f64; 2]) -> Matrix {
         let ([x, y], r2) = self.centred(measured);
         let gain = self.gain([x, y], r2);
         let [slope, _] = self.slopes(r2);
@@ -84,7 +132,7 @@ impl Form {
         ]
     }
 
-    /// Returns the second derivative of the distortion at a measured point, twice along `u`, mm⁻¹.
+    /// Returns the second derivative of the polynomial at a measured point, twice along `u`, mm⁻¹.
     pub(crate) fn second_derivative(&self, measured: [f64; 2], u: [f64; 2]) -> [f64; 2] {
         let ([x, y], r2) = self.centred(measured);
         let [slope, bend] = self.slopes(r2);
@@ -99,7 +147,7 @@ impl Form {
         ]
     }
 
-    /// Returns the largest second and third derivatives of the distortion, in any direction, within
+    /// Returns the largest second and third derivatives of the polynomial, in any direction, within
     /// a radius of the centre, mm⁻¹ and mm⁻².
     ///
     /// # Model
@@ -127,9 +175,9 @@ impl Form {
         let mut d = start;
         for _ in 0..MAX_STEPS {
             let measured = [ideal[0] + d[0], ideal[1] + d[1]];
-            let distortion = self.distortion(measured);
+            let (distortion, jacobian) = self.with_jacobian(measured);
             let residual = [d[0] - distortion[0], d[1] - distortion[1]];
-            let inverse = inverse(self.jacobian(measured))?;
+            let inverse = inverse(jacobian)?;
             let step = times(inverse, residual);
             d = [d[0] - step[0], d[1] - step[1]];
             let length = step[0].abs() + step[1].abs();

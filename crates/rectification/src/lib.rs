@@ -14,6 +14,7 @@ mod form;
 pub mod mesh;
 mod mesh_error;
 pub mod pattern;
+mod placed_spline;
 mod rectification;
 mod spacing;
 pub mod streaming;

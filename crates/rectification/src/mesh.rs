@@ -18,8 +18,9 @@ const WHOLE_RUN: u8 = 16;
 /// Places of all output pixels of a frame in its source image.
 ///
 /// # Model
-/// The source of every s-th pixel on both axes is the library's [`SourceRow`], refined in double
-/// precision and continued beyond the sensor by the same polynomial. Between them the places are
+/// The source of every s-th pixel on both axes is the library's [`SourceRow`] of the polynomial,
+/// refined in double precision with the residual grids, and continued beyond the sensor by the same
+/// polynomial and splines. Between them the places are
 /// interpolated linearly on both axes, in fixed point.
 ///
 /// # Accuracy
@@ -42,7 +43,7 @@ pub struct Mesh {
 
 impl Mesh {
     pub(crate) fn new(layout: &Layout<'_>) -> Result<Self, MeshError> {
-        let sensor = layout.correction.sensor();
+        let sensor = layout.correction.polynomial().sensor();
         let (spacing_px, bounds, margin_mm) =
             spacing(layout.form, sensor).ok_or(MeshError::TooStrong)?;
         let bound_px = error_px(&bounds, sensor, spacing_px);

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use fmc_camera::geometry::frame_correction::FrameCorrection;
+use fmc_camera::geometry::gridded_correction::GriddedCorrection;
 use fmc_camera::geometry::sensor::SensorPoint;
 use fmc_camera_kernel::host::Level;
 use fmc_camera_kernel::resampling::{Band, Kernel, Resampler, Sample};
@@ -95,19 +95,20 @@ pub struct Rectification {
 }
 
 impl Rectification {
-    /// Prepares the rectification of a frame with this correction and this principal point at the
-    /// middle of its exposure.
+    /// Prepares the rectification of a frame with this correction, that of the polynomial or with
+    /// residual grids, and this principal point at the middle of its exposure.
     ///
     /// # Errors
     /// [`RectificationError`] for an output image without pixels, and for a lens whose map from
     /// ideal to measured points cannot be bounded around the sensor.
-    pub fn new(
-        correction: &FrameCorrection,
+    pub fn new<'a>(
+        correction: impl Into<GriddedCorrection<'a>>,
         principal_point: SensorPoint,
         request: &Request,
     ) -> Result<Self, RectificationError> {
+        let correction = &correction.into();
         let form = Form::new(correction);
-        let sensor = correction.sensor();
+        let sensor = correction.polynomial().sensor();
         let middle = request.centre.of(principal_point);
         let mesh = Mesh::new(&Layout {
             correction,
@@ -126,14 +127,16 @@ impl Rectification {
     ///
     /// # Errors
     /// [`WindowError`] for an image without pixels.
-    pub fn size_px(
-        correction: &FrameCorrection,
+    pub fn size_px<'a>(
+        correction: impl Into<GriddedCorrection<'a>>,
         principal_point: SensorPoint,
         request: &Request,
     ) -> Result<[u32; 2], WindowError> {
+        let correction = &correction.into();
         let form = Form::new(correction);
         let middle = request.centre.of(principal_point);
-        request.window.size_px(&form, correction.sensor(), middle)
+        let sensor = correction.polynomial().sensor();
+        request.window.size_px(&form, sensor, middle)
     }
 
     /// Selects other vectors than the widest of this machine; the result is the same.

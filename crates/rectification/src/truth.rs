@@ -3,6 +3,7 @@
 
 use fmc_camera_file::CameraFile;
 use fmc_reference::exposure::ExposureRequest;
+use fmc_reference::residual_splines::ResidualSplines;
 use fmc_reference::strict::{StrictSolver, Weight};
 
 /// Cells of the grid over the sensor, along each axis, at whose corners the solver is asked.
@@ -28,10 +29,20 @@ pub struct TrueGeometry {
 }
 
 impl TrueGeometry {
-    /// Returns the map of an exposure of a camera.
+    /// Returns the map of an exposure of a camera without residual grids.
     #[must_use]
     pub fn new(camera: &CameraFile, request: &ExposureRequest) -> Self {
-        let solver = StrictSolver::new(camera, request, Weight::Exposure);
+        Self::with_splines(camera, ResidualSplines::default(), request)
+    }
+
+    /// Returns the map of an exposure of a camera with its residual grids.
+    #[must_use]
+    pub fn with_splines(
+        camera: &CameraFile,
+        splines: ResidualSplines,
+        request: &ExposureRequest,
+    ) -> Self {
+        let solver = StrictSolver::new(camera, request, Weight::Exposure).with_splines(splines);
         let centroid_mm = solver.path().centroid_mm();
         let [x0, y0] = camera.principal_point_mm;
         let [ex, ey] = camera.fmc.axis.unit();

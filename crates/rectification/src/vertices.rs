@@ -1,6 +1,6 @@
 //! Rows of vertices: sources of some output pixels.
 
-use fmc_camera::geometry::frame_correction::FrameCorrection;
+use fmc_camera::geometry::gridded_correction::GriddedCorrection;
 use fmc_camera::geometry::mesh::source_row::SourceRow;
 use fmc_camera::geometry::sensor::SensorPoint;
 
@@ -29,7 +29,7 @@ impl VertexRow {
 
 /// Parts of a mesh: the frame, and the output image.
 pub(crate) struct Layout<'a> {
-    pub(crate) correction: &'a FrameCorrection,
+    pub(crate) correction: &'a GriddedCorrection<'a>,
     pub(crate) form: &'a Form,
     /// The point of the sensor frame in the middle of the output.
     pub(crate) middle: SensorPoint,
@@ -53,7 +53,7 @@ pub(crate) struct Places {
 
 impl Places {
     pub(crate) fn new(layout: &Layout<'_>, margin_mm: f64) -> Self {
-        let sensor = layout.correction.sensor();
+        let sensor = layout.correction.polynomial().sensor();
         let pixel_mm = f64::from(sensor.pixel_mm());
         let sensor_px = [sensor.width_px(), sensor.height_px()].map(f64::from);
         let [width, height] = layout.size_px.map(f64::from);
@@ -85,7 +85,7 @@ impl Places {
         let [width, _] = layout.size_px;
         let y = (self.centre_px[1] - f64::from(row_px)) * self.pixel_mm + self.middle_mm[1];
         let mut found = VertexRow::default();
-        let mut sources = SourceRow::new(layout.correction);
+        let mut sources = SourceRow::new(layout.correction.polynomial());
         let mut end = 0;
         for number in 0..=last_vertex(width, shift) {
             let col_px = f64::from(number << shift);

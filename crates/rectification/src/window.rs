@@ -7,8 +7,8 @@ use crate::form::Form;
 /// Rounding, pixels, by which a side may miss a whole number.
 const ROUNDING_PX: f64 = 1e-6;
 
-/// Places along an edge of the sensor at which its ideal image is computed, per pixel: between two
-/// of them, 4 px apart, it bends by a hundred-thousandth of a pixel.
+/// Places along an edge of the sensor at which its ideal image is computed, per pixel. How far the
+/// edge may bend between two of them is bounded, and taken into account.
 const PLACES_PER_PX: f64 = 0.25;
 
 /// Size of the output image.
@@ -16,8 +16,8 @@ const PLACES_PER_PX: f64 = 0.25;
 pub enum Window {
     /// That of the sensor.
     Same,
-    /// The largest image, about the output's centre, whose pixels all have their sources on the
-    /// sensor.
+    /// The largest image, about the output's centre, whose pixels all lie on the sensor with their
+    /// whole area.
     Inside,
     /// The smallest image, about the output's centre, that holds every measured pixel.
     Full,
@@ -83,6 +83,8 @@ impl Window {
 /// Ideal images of the sensor's four edges, from the middle of the output image.
 struct IdealEdges {
     pixel_mm: f64,
+    /// Largest distance of an edge from the line between two of its points, mm.
+    bend_mm: f64,
     /// Points of the left and the right edge, and of the lower and the upper one.
     edges: [[Vec<[f64; 2]>; 2]; 2],
 }
@@ -93,6 +95,11 @@ impl IdealEdges {
         let sides_px = [sensor.width_px(), sensor.height_px()].map(f64::from);
         let half = sides_px.map(|side| 0.5 * side * pixel_mm);
         let middle = [middle.x_mm, middle.y_mm].map(f64::from);
+        let corners = [[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]];
+        let radii = corners.map(|[x, y]| form.centred([x * half[0], y * half[1]]).1.sqrt());
+        let radius = radii.into_iter().fold(0.0, f64::max);
+        let [second_per_mm, _] = form.largest_derivatives(radius);
+        let way_mm = pixel_mm / PLACES_PER_PX;
         let edge = |axis: usize, sign: f64| {
             let along_px = sides_px.into_iter().rev().nth(axis).unwrap_or_default();
             let [half_across, half_along] = if axis == 0 { half } else { [half[1], half[0]] };
@@ -114,6 +121,7 @@ impl IdealEdges {
         };
         Self {
             pixel_mm,
+            bend_mm: way_mm * way_mm / 8.0 * (second_per_mm + form.residual_bounds().curvature),
             edges: [[edge(0, -1.0), edge(0, 1.0)], [edge(1, -1.0), edge(1, 1.0)]],
         }
     }
@@ -123,8 +131,13 @@ impl IdealEdges {
     /// # Model
     /// Each side is twice the least distance of its two edges from the middle, of the edges' parts
     /// that lie beside the rectangle: first of the whole edges, then of those within the other
-    /// side, until nothing changes.
+    /// side, until nothing changes. Between two points s apart an edge bends by s²/8 times its
+    /// largest second derivative at most; twice that is taken off, since the place where the
+    /// rectangle's other side cuts the edge is moved as well.
     fn inside_px(&self) -> [u64; 2] {
+        let least = |edges: &[Vec<[f64; 2]>; 2], axis, beside: f64| {
+            least(edges, axis, beside + self.bend_mm) - 2.0 * self.bend_mm
+        };
         let mut half = [f64::INFINITY; 2];
         for _ in 0..8 {
             let [across_x, across_y] = &self.edges;
@@ -152,15 +165,24 @@ impl IdealEdges {
     }
 }
 
-/// Returns the least distance along an axis of two edges from the middle, of those points that are
-/// within `beside` along the other axis; negative where an edge lies beyond the middle.
+/// Returns the least distance along an axis of two edges from the middle, of the parts of the lines
+/// between their points that are within `beside` along the other axis; negative where an edge lies
+/// beyond the middle.
 fn least([low, high]: &[Vec<[f64; 2]>; 2], axis: usize, beside: f64) -> f64 {
     let mut least = f64::INFINITY;
     for (sign, edge) in [(-1.0, low), (1.0, high)] {
-        for [x, y] in edge {
-            let (across, along) = if axis == 0 { (x, y) } else { (y, x) };
-            if along.abs() <= beside {
-                least = least.min(sign * across);
+        let place = |[x, y]: [f64; 2]| if axis == 0 { [x, y] } else { [y, x] };
+        for (from, to) in edge.iter().zip(edge.iter().skip(1)) {
+            let ([from, from_along], [to, to_along]) = (place(*from), place(*to));
+            let way = to_along - from_along;
+            // Shares of the way at which the line is `beside` away, in their order.
+            let cut = |along: f64| ((along - from_along) / way).clamp(0.0, 1.0);
+            let (first, last) = (cut(-beside), cut(beside));
+            let is_beside = |along: f64| along.abs() <= beside;
+            if is_beside(from_along) || is_beside(to_along) || first < last {
+                for share in [first, last] {
+                    least = least.min(sign * (from + (to - from) * share));
+                }
             }
         }
     }

@@ -21,6 +21,12 @@ impl ResidualSplines {
         }
     }
 
+    /// Returns true for a camera without residual grids.
+    #[must_use]
+    pub const fn is_empty(&self) -> bool {
+        self.lens.is_none() && self.sensor.is_none()
+    }
+
     /// Returns what the lens adds at a point of its own frame, mm.
     #[must_use]
     pub fn of_lens(&self, point_mm: [f64; 2]) -> [f64; 2] {

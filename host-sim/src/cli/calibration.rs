@@ -141,9 +141,29 @@ pub struct Dlt2dArgs {
     /// targets.
     #[arg(long, value_name = "A,B,C,D", value_delimiter = ',', num_args = 1)]
     pub corners: Option<Vec<String>>,
+    /// States what the polynomial leaves of the table as a residual grid of the camera.
+    #[arg(long, requires = "pitch_mm")]
+    pub grid: bool,
+    /// Distance of neighbouring nodes of the grid, mm: a tenth of the shortest wave leaves 0.4 % of
+    /// it.
+    #[arg(long, value_name = "MM", value_parser = positive, requires = "grid")]
+    pub pitch_mm: Option<f64>,
+    /// Part that carries the grid: lens, which moves with the principal point, or sensor. The table
+    /// of one stage position does not tell them apart.
+    #[arg(long, value_name = "PART", default_value = "lens", help_heading = ADVANCED)]
+    pub frame: OneGridPart,
     /// Coefficients of the camera file's polynomial, of k1,k2,k3,p1,p2.
     #[arg(long, value_name = "LIST", default_value = "k1,k2,k3,p1,p2", help_heading = ADVANCED)]
     pub estimate: Coefficients,
+}
+
+/// Part of the camera that carries the structure of a table of one stage position.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum OneGridPart {
+    /// The lens.
+    Lens,
+    /// The sensor.
+    Sensor,
 }
 
 /// Arguments of `calibrate angles`.

@@ -99,6 +99,8 @@ Examples:
 pub(super) const CALIBRATE_DLT2D: &str = "\
 Examples:
   host-sim calibrate dlt2d targets.csv --camera my.toml --out table
+  host-sim calibrate dlt2d targets.csv --camera my.toml --out table \\
+      --grid --pitch-mm 2
   host-sim calibrate dlt2d targets.csv --camera my.toml \\
       --corners 001,015,136,150 --out table";
 

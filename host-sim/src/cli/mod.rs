@@ -29,7 +29,8 @@ mod vh;
 pub use block::SimulatedBlockArgs;
 pub use calibration::{
     AlongAxis, AnglesArgs, CalibrateArgs, CalibrationArgs, CalibrationFiles, CalibrationMethod,
-    Coefficients, Dlt2dArgs, Dlt3dArgs, FiveArgs, GridArgs, GridPart, RegressOn, StaticP2,
+    Coefficients, Dlt2dArgs, Dlt3dArgs, FiveArgs, GridArgs, GridPart, OneGridPart, RegressOn,
+    StaticP2,
 };
 pub use camera::{CameraAction, CameraArgs, ExposureTimeArgs, PrepareArgs, StatusArgs, VhArgs};
 pub use camera_file::{CameraFileAction, CameraFileArgs};

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use fmc_camera::flight::camera::Camera;
 use fmc_camera::flight::exposure::Exposure;
 use fmc_camera_file::number::single;
-use fmc_camera_file::{CameraFile, GridFiles, InputError};
+use fmc_camera_file::{CameraFile, InputError};
 use fmc_certificate::bundle::{self, BundleError};
 use fmc_certificate::calibration_summary::CalibrationSummary;
 use fmc_certificate::check::{self, Files, Stated};
@@ -17,6 +17,7 @@ use fmc_certificate::details::Details;
 use fmc_certificate::flown_calibrations::FlownCalibrations;
 use fmc_certificate::requirement::Requirement;
 use fmc_certificate::signature::{PrivateKey, PublicKey};
+use fmc_frames::FrameCamera;
 use fmc_reference::verification::device::CorrectingDevice;
 use fmc_reference::verification::grid::{self, GridExposure};
 use fmc_reference::verification::run;
@@ -41,8 +42,10 @@ pub(super) fn run(args: &CertificateArgs) -> Result<(), Failure> {
 }
 
 fn make(args: &MakeCertificateArgs) -> Result<(), Failure> {
-    let (camera, checked) = super::read_camera(&args.camera)?;
+    let (camera, grids) = super::read_camera_with_grids(&args.camera)?;
     let bytes = read(&args.camera)?;
+    let frame_camera = FrameCamera::with_grids(&args.camera.display().to_string(), &camera, grids)?;
+    let grids = frame_camera.grid_files();
     let file_name = name(&args.camera);
     let details = match &args.details {
         Some(path) => Details::parse(&path.display().to_string(), &read_text(path)?)?,
@@ -58,13 +61,8 @@ fn make(args: &MakeCertificateArgs) -> Result<(), Failure> {
     };
     let mut device = InProcess::default();
     let (exposures, forbidden) = exposures(&camera);
-    let verification = run::exposures(
-        &mut device,
-        (&camera, &GridFiles::default()),
-        &exposures,
-        || {},
-    )
-    .map_err(|error| Failure::bad_input(format!("{}: {error}", args.camera.display())))?;
+    let verification = run::exposures(&mut device, (&camera, grids), &exposures, || {})
+        .map_err(|error| Failure::bad_input(format!("{}: {error}", args.camera.display())))?;
     if verification.points > 0 && !verification.passed() {
         return Err(Failure::check(format!(
             "{}: the camera differs from the strict solver by more than the limit; nothing is \
@@ -77,7 +75,8 @@ fn make(args: &MakeCertificateArgs) -> Result<(), Failure> {
         file_name: &file_name,
         bytes: &bytes,
         camera: &camera,
-        checked: &checked,
+        grids,
+        checked: frame_camera.camera(),
         details: &details,
         calibrations: &calibrations,
         verification: &verification,
@@ -90,7 +89,7 @@ fn make(args: &MakeCertificateArgs) -> Result<(), Failure> {
         require(path, &certificate)?;
     }
     let files =
-        bundle::files(&certificate, &bytes, key.as_ref()).map_err(|error| failed(&error))?;
+        bundle::files(&certificate, &bytes, grids, key.as_ref()).map_err(|error| failed(&error))?;
     write(&args.out, &files)
 }
 
@@ -191,7 +190,11 @@ fn check(args: &CertificateFolderArgs) -> Result<(), Failure> {
         None => None,
     };
     let mut files = Files::new();
-    for name in bundle::NAMES.into_iter().chain([stated.camera_file()]) {
+    for name in bundle::NAMES
+        .into_iter()
+        .chain([stated.camera_file()])
+        .chain(stated.grid_files())
+    {
         let path = args.folder.join(name);
         if path.exists() {
             files.insert(name.to_owned(), read(&path)?);

@@ -7,6 +7,8 @@ use std::io::Write;
 use fmc_exchange::calibrated::Calibrated;
 use fmc_exchange::export::{self, Choices, GOOD_ENOUGH_PX};
 use fmc_exchange::program::Program;
+use fmc_frames::FrameCamera;
+use fmc_reference::residual_splines::ResidualSplines;
 use fmc_report::exchange::ExportSummary;
 
 use crate::cli::ExportArgs;
@@ -15,7 +17,7 @@ use crate::formats::output::{self, OutputFolder};
 
 pub(super) fn run(args: &ExportArgs) -> Result<(), Failure> {
     check_options(args)?;
-    let (camera, _) = super::read_camera(&args.camera)?;
+    let (camera, grids) = super::read_camera_with_grids(&args.camera)?;
     let bytes =
         std::fs::read(&args.camera).map_err(|error| Failure::reading(&args.camera, &error))?;
     let choices = Choices {
@@ -25,9 +27,13 @@ pub(super) fn run(args: &ExportArgs) -> Result<(), Failure> {
         key: args.id.as_deref(),
     };
     if let Some(records) = &args.records {
-        return frames::run(args, records, &camera, &bytes, &choices);
+        return frames::run(args, records, (&camera, grids), &bytes, &choices);
     }
-    let exported = export::export(&Calibrated::of(&camera), args.format, &choices)?;
+    let name = args.camera.display().to_string();
+    let frame_camera = FrameCamera::with_grids(&name, &camera, grids)?;
+    let splines = ResidualSplines::of(&frame_camera.grids()?);
+    let calibrated = Calibrated::of(&camera).with_residual(splines);
+    let exported = export::export(&calibrated, args.format, &choices)?;
     let summary = ExportSummary::of(&camera, &bytes, args.format, &exported);
     check_residual(args, &summary)?;
     let folder = OutputFolder::create(&args.out)?;

@@ -13,20 +13,12 @@ use crate::device::DeviceError;
 use crate::failure::{Failure, note};
 
 impl ExposureArgs {
-    /// Reads the camera file, and prints a note on every option that has no effect on this camera.
+    /// Reads the camera file with its residual grids, and prints a note on every option that has no
+    /// effect on this camera.
     ///
     /// # Errors
-    /// [`Failure`] of the camera file, or for the fitted model of a camera without one.
-    pub(super) fn read_camera(&self) -> Result<CameraFile, Failure> {
-        let (camera, _) = super::read_camera(&self.camera)?;
-        self.check(&camera)?;
-        Ok(camera)
-    }
-
-    /// Does the same for a camera that may have residual grids.
-    ///
-    /// # Errors
-    /// As [`Self::read_camera`], also for a grid.
+    /// [`Failure`] of the camera file or of a grid, or for the fitted model of a camera without
+    /// one.
     pub(super) fn read_camera_with_grids(&self) -> Result<(CameraFile, GridFiles), Failure> {
         let (camera, grids) = super::read_camera_with_grids(&self.camera)?;
         self.check(&camera)?;

@@ -59,15 +59,15 @@ pub(super) fn run(args: &VerifyArgs) -> Result<(), Failure> {
 
 /// Checks what kernels of resampling make of frames whose answer is known.
 fn verify_images(args: &VerifyArgs) -> Result<(), Failure> {
-    let texts: Vec<(String, String)> = match &args.camera {
+    let texts: Vec<(String, String, GridFiles)> = match &args.camera {
         Some(path) => {
-            super::read_camera(path)?;
+            let (_, grids) = super::read_camera_with_grids(path)?;
             let text = fs::read_to_string(path).map_err(|error| Failure::reading(path, &error))?;
-            vec![(path.display().to_string(), text)]
+            vec![(path.display().to_string(), text, grids)]
         }
         None => CAMERA_FILES
             .iter()
-            .map(|(file, text)| ((*file).to_owned(), (*text).to_owned()))
+            .map(|(file, text)| ((*file).to_owned(), (*text).to_owned(), GridFiles::default()))
             .collect(),
     };
     let folder = args.out.as_deref().map(OutputFolder::create).transpose()?;
@@ -78,9 +78,9 @@ fn verify_images(args: &VerifyArgs) -> Result<(), Failure> {
         bar.set_style(style);
     }
     let mut results = verification::Results::default();
-    for (name, text) in &texts {
+    for (name, text, grids) in &texts {
         bar.set_message(name.clone());
-        results.add_camera(name, text)?;
+        results.add_camera(name, text, grids)?;
         bar.inc(1);
     }
     bar.finish_and_clear();

@@ -69,9 +69,10 @@ impl InProcess {
         self.rig.camera().and_then(Camera::id)
     }
 
-    /// Takes the correction of a frame that the camera computed before.
-    pub(crate) fn correct_by(&mut self, correction: FrameCorrection) {
-        self.correction = Some(correction);
+    /// Takes a frame that the camera computed before.
+    pub(crate) fn correct_by(&mut self, frame: Frame) {
+        self.correction = Some(frame.correction);
+        self.interior = Some(frame.interior);
     }
 
     fn correction(&self) -> Result<&FrameCorrection, DeviceError> {

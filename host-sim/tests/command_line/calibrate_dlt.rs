@@ -94,6 +94,66 @@ fn plane_target_gives_table_and_camera_file() {
     assert!((gauge / 100.0 - 1.0).abs() > 1e-4, "{gauge}");
 }
 
+/// Moves the measured points of a plane target by 3 µm of waves of 40 mm.
+fn with_waves(text: &str) -> String {
+    let wave = |along: f64| 3e-3 * (std::f64::consts::TAU * along / 40.0).sin();
+    let mut lines = vec![text.lines().next().unwrap().to_owned()];
+    for line in text.lines().skip(1) {
+        let cells: Vec<&str> = line.split(',').collect();
+        let [x, y] = [1, 2].map(|column: usize| cells[column].parse::<f64>().unwrap());
+        let [x, y] = [x + wave(x + 0.5 * y + 3.0), y + wave(y - 0.7 * x + 8.0)];
+        let rest = cells[3..].join(",");
+        lines.push(format!("{},{x:.12},{y:.12},{rest}", cells[0]));
+    }
+    lines.join("\n") + "\n"
+}
+
+#[test]
+fn leftover_of_a_plane_target_is_a_grid_of_the_camera() {
+    let targets = with_waves(&plane_csv(&[]));
+    let grid = ["--keep-all", "--grid", "--pitch-mm", "4"];
+    let (bench, answer) = calibrated("dlt2d", &targets, &grid);
+    let answer = answer.ok();
+    assert!(
+        answer.stdout.contains("Residual grids"),
+        "{}",
+        answer.stdout
+    );
+    assert_complete(&bench, &answer, "out");
+    let found = summary(&bench, "out/summary.json");
+    assert_eq!(found["method"], "dlt2d");
+    assert_eq!(found["grids"][0]["frame"], "lens");
+    let [alone, camera] = ["polynomial_alone", "polynomial_and_grid"]
+        .map(|key| found[key]["rms_um"].as_f64().unwrap());
+    assert!(alone > 1.0 && camera < 0.05, "{alone} {camera} µm");
+    // The camera with its grid is accepted; a calibration without --grid refuses it by name.
+    let check = ["camera-file", "check", "out/camera.toml"];
+    bench.run(&check).ok();
+    assert!(bench.path("out/grid-lens.fmcg").exists());
+    std::fs::copy(bench.path("out/camera.toml"), bench.path("camera.toml")).unwrap();
+    fs::write(bench.path("targets.csv"), &targets).unwrap();
+    let again = [
+        "calibrate",
+        "dlt2d",
+        "targets.csv",
+        "--camera",
+        "camera.toml",
+    ];
+    bench.run(&again).refused(&["camera.toml", "[grid]"]);
+    let sensor = ["--frame", "sensor", "--out", "out"];
+    bench.run(&[&again[..], &grid, &sensor].concat()).ok();
+    assert!(bench.path("out/grid-sensor.fmcg").exists());
+    assert!(!bench.path("out/grid-lens.fmcg").exists());
+    for (more, words) in [
+        (&["--grid"][..], &["--pitch-mm"][..]),
+        (&["--pitch-mm", "4"], &["--grid"]),
+        (&["--grid", "--pitch-mm", "0.5"], &["pitch 0.5 mm", "4096"]),
+        (&["--grid", "--pitch-mm", "4", "--frame", "both"], &["both"]),
+    ] {
+        bench.run(&[&again[..], more].concat()).refused(words);
+    }
+}
+
 #[test]
 fn each_focus_setting_has_a_folder() {
     let (bench, answer) = calibrated("dlt2d", &plane_csv(&["near", "far"]), &[]);

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 use std::fmt::Write as _;
 use std::fs;
 
-use crate::command_line::calibration_files::{assert_reports, parameter, summary};
+use crate::command_line::calibration_files::{assert_complete, parameter, summary};
 use crate::command_line::support::{Answer, Bench};
 
 /// Columns of a table.
@@ -91,7 +91,7 @@ fn camera_with_its_grid_corrects_within_thirteen_nanometres() {
     let bench = Bench::new();
     let more = ["--pitch-mm", "2", "--out", "out", "--date", "2026-03-14"];
     let answer = run(&bench, &table(0.0, WAVES), &more).ok();
-    assert_reports(&bench, &answer, "out");
+    assert_complete(&bench, &answer, "out");
     for name in ["left-by-polynomial.svg", "grid-lens.svg", "grid-lens.fmcg"] {
         assert!(bench.path(&format!("out/{name}")).exists(), "{name}");
     }
@@ -109,7 +109,7 @@ fn camera_with_its_grid_corrects_within_thirteen_nanometres() {
         "{text}"
     );
     assert!(summary["polynomial_alone"]["max_um"].as_f64().unwrap() > 2.0);
-    assert!(summary["camera"]["max_um"].as_f64().unwrap() < 0.013);
+    assert!(summary["polynomial_and_grid"]["max_um"].as_f64().unwrap() < 0.013);
     // The coefficients of the camera file that are not estimated are kept.
     assert_eq!(parameter(&summary, "b1"), (1e-5, 0.0));
     let error = largest_error_nm(&bench, "out/camera.toml");
@@ -139,9 +139,9 @@ fn three_stage_offsets_give_both_grids_and_a_later_run_leaves_no_stale_one() {
     let found = summary(&bench, "out/summary.json");
     assert_eq!(found["grids"][1]["frame"], "sensor");
     assert!(
-        found["camera"]["max_um"].as_f64().unwrap() < 0.013,
+        found["polynomial_and_grid"]["max_um"].as_f64().unwrap() < 0.013,
         "{}",
-        found["camera"]
+        found["polynomial_and_grid"]
     );
     let sensor = bench.path("out/grid-sensor.fmcg");
     assert!(sensor.exists());
@@ -150,9 +150,9 @@ fn three_stage_offsets_give_both_grids_and_a_later_run_leaves_no_stale_one() {
     let found = summary(&bench, "out/summary.json");
     // One grid does not follow what moves and what does not.
     assert!(
-        found["camera"]["max_um"].as_f64().unwrap() > 0.3,
+        found["polynomial_and_grid"]["max_um"].as_f64().unwrap() > 0.3,
         "{}",
-        found["camera"]
+        found["polynomial_and_grid"]
     );
 }
 

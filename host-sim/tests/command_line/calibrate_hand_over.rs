@@ -4,6 +4,7 @@ use std::collections::HashMap;
 use std::fmt::Write as _;
 use std::fs;
 
+use crate::command_line::flight_block::{Block, RunUp};
 use crate::command_line::support::Bench;
 
 const F_MM: f64 = 50.0;
@@ -236,6 +237,73 @@ fn lists_hold_the_ideal_points(truth: &Truth, read: &dyn Fn(&str) -> String) {
             .unwrap()
             .starts_with("made,13400,10000,4.0,50.0")
     );
+}
+
+/// Without the scale of the stage the image points would lie 2.7 px off along the strips.
+#[test]
+fn block_with_a_stage_scale_is_handed_over_as_it_was_adjusted() {
+    let block = Block {
+        run_up: RunUp::FromRest,
+        seed: 1,
+        fault_mm: 0.0,
+        at_trigger: false,
+        scale: 0.2,
+    };
+    let bench = block.bench();
+    let files = ["--points", "points.csv", "--images", "images.csv"];
+    let records = ["--camera", "camera.toml", "--records", "records.csv"];
+    let more = [
+        "--estimate",
+        "stage_scale",
+        "--out",
+        "out",
+        "--export",
+        "colmap",
+    ];
+    let command = ["calibrate", "bundle", "image_points.csv"];
+    bench
+        .run(&[&command[..], &files, &records, &more].concat())
+        .ok();
+    let read = |name: &str| fs::read_to_string(bench.path("out").join(name)).unwrap();
+    let summary: serde_json::Value = serde_json::from_str(&read("summary.json")).unwrap();
+    let all = summary["parameters"].as_array().unwrap();
+    let scale = all.iter().find(|one| one["name"] == "stage_scale").unwrap();
+    assert!(
+        (scale["value"].as_f64().unwrap().abs() - 0.2).abs() < 0.15,
+        "{scale}"
+    );
+    let camera = numbers(
+        &lines(&read("cameras.txt"))[0]
+            .split(' ')
+            .collect::<Vec<_>>()[4..],
+    );
+    let points: HashMap<usize, Vec<f64>> = lines(&read("points3D.txt"))
+        .iter()
+        .map(|line| {
+            let words: Vec<&str> = line.split(' ').collect();
+            (words[0].parse().unwrap(), numbers(&words[1..4]))
+        })
+        .collect();
+    let images = read("images.txt");
+    let (mut squares, mut count) = (0.0, 0.0);
+    for pair in lines(&images).chunks(2) {
+        let words: Vec<&str> = pair[0].split(' ').collect();
+        let pose = numbers(&words[1..8]);
+        let words: Vec<&str> = pair[1].split(' ').collect();
+        for triple in words.chunks(3) {
+            let row: f64 = triple[1].parse().unwrap();
+            let place = &points[&triple[2].parse().unwrap()];
+            let about = [pose[1], pose[2], pose[3]];
+            let axes = turned(pose[0], about, [place[0], place[1], place[2]]);
+            let [y, z] = [1, 2].map(|axis| axes[axis] + pose[4 + axis]);
+            squares += (camera[1] * y / z + camera[3] - row).powi(2);
+            count += 1.0;
+        }
+    }
+    assert!(count > 1000.0, "{count}");
+    // The noise of the image points is 1.128 µm, 0.3 px, of which poses and points take a part.
+    let rms_px = f64::sqrt(squares / count);
+    assert!((0.15..0.3).contains(&rms_px), "{rms_px} px");
 }
 
 #[test]

@@ -59,6 +59,8 @@ mod frames;
 #[cfg(test)]
 mod gpu_mesh;
 #[cfg(test)]
+mod gridded_camera;
+#[cfg(test)]
 mod images;
 #[cfg(test)]
 mod mesh;

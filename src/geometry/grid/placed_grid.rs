@@ -78,6 +78,35 @@ impl<'a> PlacedGrid<'a> {
         }
     }
 
+    /// Nodes per mm of the sensor.
+    #[must_use]
+    pub const fn per_mm(&self) -> f32 {
+        self.per_mm
+    }
+
+    /// Place of the sensor's origin, counted in nodes from the second node of the grid on.
+    #[must_use]
+    pub const fn origin(&self) -> [f32; 2] {
+        self.offset
+    }
+
+    /// Nodes of a row.
+    #[must_use]
+    pub const fn columns(&self) -> usize {
+        self.columns
+    }
+
+    /// Coefficients of x and y in units of [`Self::unit_mm`], row by row along y.
+    pub fn coefficients(&self) -> impl Iterator<Item = [i16; 2]> + '_ {
+        self.nodes.iter().map(|node| components(*node))
+    }
+
+    /// Unit of the coefficients, mm.
+    #[must_use]
+    pub const fn unit_mm(&self) -> f32 {
+        self.scale_mm * (6.0 * ONE)
+    }
+
     /// Returns the displacement at a point, measured - ideal.
     ///
     /// # Model

@@ -48,6 +48,8 @@ pub(crate) enum Tool {
     Llvm,
     /// Python's installer of packages, with Python where there is none.
     Pip,
+    /// Linker for 64-bit Arm and QEMU's emulation of its processes.
+    Aarch64,
 }
 
 impl Tool {
@@ -60,6 +62,7 @@ impl Tool {
             Self::Qemu => "qemu",
             Self::Llvm => "llvm",
             Self::Pip => "pip",
+            Self::Aarch64 => "aarch64",
         }
     }
 
@@ -72,6 +75,11 @@ impl Tool {
             Self::Qemu => &["qemu-system-arm"],
             Self::Llvm => &["llvm-19"],
             Self::Pip => &["python3-pip"],
+            Self::Aarch64 => &[
+                "gcc-aarch64-linux-gnu",
+                "libc6-dev-arm64-cross",
+                "qemu-user-static",
+            ],
         }
     }
 
@@ -85,6 +93,7 @@ impl Tool {
             Self::Llvm => &["llvm-mca-19", "llvm-objdump-19"],
             // It is run as a module of a Python.
             Self::Pip => &[],
+            Self::Aarch64 => &["aarch64-linux-gnu-gcc", "qemu-aarch64-static"],
         }
     }
 
@@ -93,7 +102,7 @@ impl Tool {
         match self {
             Self::Compiler => Version::find(env!("CARGO_PKG_RUST_VERSION")),
             Self::Qemu => Some(Version::new(7, 2)),
-            Self::Clippy | Self::Linker | Self::Llvm | Self::Pip => None,
+            Self::Clippy | Self::Linker | Self::Llvm | Self::Pip | Self::Aarch64 => None,
         }
     }
 
@@ -121,6 +130,7 @@ impl fmt::Display for Tool {
             Self::Qemu => "QEMU",
             Self::Llvm => "LLVM",
             Self::Pip => "Python with pip",
+            Self::Aarch64 => "linker and emulator of 64-bit Arm",
         })
     }
 }

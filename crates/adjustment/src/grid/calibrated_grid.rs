@@ -1,7 +1,7 @@
 //! Residual grid of a calibration, as a camera reads it.
 
 use fmc_camera::geometry::grid::{GridCarrier, ResidualGrid};
-use fmc_camera_file::InputError;
+use fmc_camera_file::{InputError, grid_block};
 use fmc_reference::residual_spline::ResidualSpline;
 
 use super::fit::FittedGrid;
@@ -71,10 +71,7 @@ impl CalibratedGrid {
     /// Name of the file of a part.
     #[must_use]
     pub const fn file_name_of(carrier: GridCarrier) -> &'static str {
-        match carrier {
-            GridCarrier::Lens => "grid-lens.fmcg",
-            GridCarrier::Sensor => "grid-sensor.fmcg",
-        }
+        grid_block::file_name(carrier)
     }
 }
 

@@ -2,6 +2,7 @@
 
 use fmc_camera_file::CameraFile;
 use fmc_reference::lens::Lens;
+use fmc_reference::residual_splines::ResidualSplines;
 use serde::Serialize;
 
 use super::inputs::Inputs;
@@ -15,7 +16,7 @@ const SIDE_POINTS: u32 = 41;
 /// Distortion of the camera at rest.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct StaticDistortion {
-    /// Largest length of the distortion over the sensor, µm.
+    /// Largest length of the distortion over the sensor, residual grids included, µm.
     pub largest_um: Option<Stated>,
     /// Place of the largest, mm in the sensor frame.
     pub largest_at_mm: [Option<Stated>; 2],
@@ -41,17 +42,18 @@ pub struct StaticDistortion {
 }
 
 impl StaticDistortion {
-    /// Computes the distortion.
-    pub(super) fn new(inputs: &Inputs<'_>) -> Self {
+    /// Computes the distortion; but for the largest, the figures are those of the polynomial.
+    pub(super) fn new(inputs: &Inputs<'_>, splines: &ResidualSplines) -> Self {
         let camera = inputs.camera;
         let corner_mm = corner_radius_mm(camera);
         let radial = Radial::new(camera, corner_mm, inputs.calibrations);
-        let (largest_mm, at_mm) = largest(camera, &radial.lens);
+        let (largest_mm, at_mm) = largest(camera, &radial.lens, splines);
         let affinity = Lens {
             k: [0.0; 4],
             p: [0.0; 2],
             ..radial.lens
         };
+        let none = ResidualSplines::default();
         let [p1, p2] = radial.lens.p;
         let radii = || (0..PROFILE_POINTS).map(|index| corner_mm * share(index));
         let most = |function: &dyn Fn(f64) -> f64| {
@@ -70,7 +72,7 @@ impl StaticDistortion {
             decentring_axis_deg: (p1.hypot(p2) > 0.0)
                 .then(|| Stated::decimals(p2.atan2(p1).to_degrees(), 1))
                 .flatten(),
-            affinity_largest_um: Stated::decimals(1e3 * largest(camera, &affinity).0, 3),
+            affinity_largest_um: Stated::decimals(1e3 * largest(camera, &affinity, &none).0, 3),
             at_angles: radial.at_angles(corner_mm),
             at_radii: radial.at_radii(corner_mm),
             profile: radii().map(|r| radial.row(r)).collect(),
@@ -78,8 +80,9 @@ impl StaticDistortion {
     }
 }
 
-/// Returns the largest length of a lens's distortion over the sensor, mm, and its place.
-fn largest(camera: &CameraFile, lens: &Lens) -> (f64, [f64; 2]) {
+/// Returns the largest length of a lens's distortion with residual grids over the sensor, mm, and
+/// its place.
+fn largest(camera: &CameraFile, lens: &Lens, splines: &ResidualSplines) -> (f64, [f64; 2]) {
     let [x0, y0] = camera.principal_point_mm;
     let [half_width, half_height] = camera.half_format_mm();
     let part = |index: u32| 2.0 * f64::from(index) / f64::from(SIDE_POINTS - 1) - 1.0;
@@ -89,7 +92,8 @@ fn largest(camera: &CameraFile, lens: &Lens) -> (f64, [f64; 2]) {
             let point = [half_width * part(column), half_height * part(row)];
             let [x, y] = point;
             let [dx, dy] = lens.displacement([x - x0, y - y0]);
-            let length = dx.hypot(dy);
+            let [more_x, more_y] = splines.calibrated(point);
+            let length = (dx + more_x).hypot(dy + more_y);
             if length > found.0 {
                 found = (length, point);
             }

@@ -4,6 +4,7 @@ use fmc_camera_file::CameraFile;
 use fmc_exchange::calibrated::Calibrated;
 use fmc_exchange::export::{self, Choices};
 use fmc_exchange::program::Program;
+use fmc_reference::residual_splines::ResidualSplines;
 use serde::Serialize;
 
 use crate::stated::Stated;
@@ -28,8 +29,8 @@ pub struct ExchangeLine {
 }
 
 /// Returns a line per program, with the model that an export takes without further choice.
-pub(super) fn lines(camera: &CameraFile) -> Vec<ExchangeLine> {
-    let calibrated = Calibrated::of(camera);
+pub(super) fn lines(camera: &CameraFile, splines: ResidualSplines) -> Vec<ExchangeLine> {
+    let calibrated = Calibrated::of(camera).with_residual(splines);
     Program::WRITTEN
         .map(|program| line(&calibrated, program))
         .into()

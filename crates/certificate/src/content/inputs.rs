@@ -1,7 +1,7 @@
 //! Inputs of a certificate.
 
 use fmc_camera::flight::camera::Camera;
-use fmc_camera_file::CameraFile;
+use fmc_camera_file::{CameraFile, GridFiles};
 use fmc_reference::verification::result::CameraResult;
 
 use crate::calibration_summary::CalibrationSummary;
@@ -16,7 +16,9 @@ pub struct Inputs<'a> {
     pub bytes: &'a [u8],
     /// The camera file, read.
     pub camera: &'a CameraFile,
-    /// The same, validated by the camera.
+    /// Its residual grids.
+    pub grids: &'a GridFiles,
+    /// The same camera, validated, with the bounds of its grids.
     pub checked: &'a Camera,
     /// Details that no camera file has.
     pub details: &'a Details,

@@ -9,8 +9,10 @@ pub mod observed;
 pub mod parameters;
 pub mod proof;
 pub mod radial;
+pub mod residual;
 
 use fmc_camera_file::InputError;
+use fmc_reference::residual_splines::ResidualSplines;
 use serde::Serialize;
 
 use distortion::StaticDistortion;
@@ -20,6 +22,7 @@ use inputs::Inputs;
 use motion::Motion;
 use parameters::ParameterSection;
 use proof::Proof;
+use residual::ResidualSection;
 
 /// The content. What is not known is `null`, and printed as "not stated"; keys are only ever added.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -34,6 +37,8 @@ pub struct Certificate {
     pub parameters: ParameterSection,
     /// Distortion of the camera at rest.
     pub static_distortion: StaticDistortion,
+    /// Residual grids beside the polynomial.
+    pub residual_grids: ResidualSection,
     /// Motion of the principal point, and what it does.
     pub motion: Motion,
     /// Comparison of the camera with the strict solver.
@@ -46,17 +51,24 @@ impl Certificate {
     /// Computes the content.
     ///
     /// # Errors
-    /// [`InputError`] for details or calibrations that contradict the camera file.
+    /// [`InputError`] for details or calibrations that contradict the camera file, and for residual
+    /// grids that do not fit it or lie in another folder.
     pub fn new(inputs: &Inputs<'_>) -> Result<Self, InputError> {
         let parameters = ParameterSection::new(inputs)?;
+        let grids = inputs
+            .grids
+            .grids(inputs.checked.calibration())
+            .map_err(|error| InputError::invalid(format!("{}: {error}", inputs.file_name)))?;
+        let splines = ResidualSplines::of(&grids);
         Ok(Self {
             format: "fmc-certificate 1",
             identity: Identity::new(inputs)?,
             conventions: identity::conventions(inputs.camera),
-            static_distortion: StaticDistortion::new(inputs),
-            motion: Motion::new(inputs),
-            proof: Proof::new(inputs),
-            exchange: exchange::lines(inputs.camera),
+            static_distortion: StaticDistortion::new(inputs, &splines),
+            residual_grids: ResidualSection::new(inputs, &grids)?,
+            motion: Motion::new(inputs, &splines),
+            proof: Proof::new(inputs, &grids),
+            exchange: exchange::lines(inputs.camera, splines),
             parameters,
         })
     }

@@ -6,6 +6,7 @@ use fmc_camera_file::number::single;
 use fmc_camera_file::{CameraFile, MechanismName, Profile};
 use fmc_reference::exposure::ExposureRequest;
 use fmc_reference::lens::Lens;
+use fmc_reference::residual_splines::ResidualSplines;
 use fmc_reference::strict::{StrictSolver, Weight};
 use fmc_reference::verification::grid;
 use fmc_simulation::smear::field::SmearRequest;
@@ -109,7 +110,7 @@ pub struct ReachRow {
 
 impl Motion {
     /// Computes the motion over the camera's limits.
-    pub(super) fn new(inputs: &Inputs<'_>) -> Self {
+    pub(super) fn new(inputs: &Inputs<'_>, splines: &ResidualSplines) -> Self {
         let Inputs {
             camera, checked, ..
         } = *inputs;
@@ -129,7 +130,8 @@ impl Motion {
         let times = spread(camera.limits.exposure_s, EXPOSURE_STEPS);
         let exposures = vh
             .iter()
-            .flat_map(|vh| times.iter().map(|time| row(camera, checked, *vh, *time)));
+            .flat_map(|vh| times.iter().map(|time| [*vh, *time]))
+            .map(|exposure| row(camera, checked, splines, exposure));
         Self {
             axis: fmc.axis.name(),
             mechanism: if is_stage { "stage" } else { "tdi" },
@@ -181,12 +183,22 @@ fn spread([from, to]: [f64; 2], count: u32) -> Vec<f64> {
     numbers
 }
 
-fn row(camera: &CameraFile, checked: &Camera, vh_per_s: f64, exposure_s: f64) -> MotionRow {
+fn row(
+    camera: &CameraFile,
+    checked: &Camera,
+    splines: &ResidualSplines,
+    [vh_per_s, exposure_s]: [f64; 2],
+) -> MotionRow {
     let exposure = Exposure::new(single(vh_per_s), single(exposure_s));
     let (refused, frame) = match checked.frame(&exposure) {
         Ok(frame) => (
             None,
-            Some(ExposureNumbers::of(camera, &frame, vh_per_s, exposure_s)),
+            Some(ExposureNumbers::of(
+                camera,
+                splines,
+                &frame,
+                [vh_per_s, exposure_s],
+            )),
         ),
         Err(error) => (Some(reason(&error).to_owned()), None),
     };
@@ -209,7 +221,12 @@ const fn reason(error: &FrameError) -> &'static str {
 }
 
 impl ExposureNumbers {
-    fn of(camera: &CameraFile, frame: &Frame, vh_per_s: f64, exposure_s: f64) -> Self {
+    fn of(
+        camera: &CameraFile,
+        splines: &ResidualSplines,
+        frame: &Frame,
+        [vh_per_s, exposure_s]: [f64; 2],
+    ) -> Self {
         let interior = &frame.interior;
         let motion = &interior.motion;
         let um = |mm: f32| Stated::decimals(1e3 * f64::from(mm), 3);
@@ -226,7 +243,10 @@ impl ExposureNumbers {
             centroid_offset_um: um(motion.centroid_mm),
             principal_point_mm: [point.x_mm, point.y_mm].map(|mm| Stated::decimals(mm.into(), 6)),
             centroid_time_ms: Stated::decimals(1e3 * f64::from(motion.centroid_time_s), 4),
-            change_um: Stated::decimals(1e3 * change_mm(camera, vh_per_s, exposure_s), 4),
+            change_um: Stated::decimals(
+                1e3 * change_mm(camera, splines, [vh_per_s, exposure_s]),
+                4,
+            ),
             left_out_nm: Stated::decimals(interior.left_out_nm.into(), 3),
             lens_smear_um: Stated::decimals(request.lens_alone_um(camera), 3),
         }
@@ -235,9 +255,14 @@ impl ExposureNumbers {
 
 /// Returns the largest change of the distortion by the motion, mm: a length over the points of the
 /// verification.
-fn change_mm(camera: &CameraFile, vh_per_s: f64, exposure_s: f64) -> f64 {
+fn change_mm(
+    camera: &CameraFile,
+    splines: &ResidualSplines,
+    [vh_per_s, exposure_s]: [f64; 2],
+) -> f64 {
     let request = ExposureRequest::planned(vh_per_s, exposure_s);
-    let solver = StrictSolver::new(camera, &request, Weight::Exposure);
+    let solver =
+        StrictSolver::new(camera, &request, Weight::Exposure).with_splines(splines.clone());
     let lens = Lens::of(camera);
     let [x0, y0] = camera.principal_point_mm;
     grid::points(camera.half_format_mm())
@@ -246,7 +271,8 @@ fn change_mm(camera: &CameraFile, vh_per_s: f64, exposure_s: f64) -> f64 {
             let [x, y] = [point.x_mm, point.y_mm].map(f64::from);
             let [mean_x, mean_y] = solver.mean([x, y]).distortion_mm;
             let [dx, dy] = lens.displacement([x - x0, y - y0]);
-            (mean_x - dx).hypot(mean_y - dy)
+            let [more_x, more_y] = splines.calibrated([x, y]);
+            (mean_x - dx - more_x).hypot(mean_y - dy - more_y)
         })
         .fold(0.0, f64::max)
 }

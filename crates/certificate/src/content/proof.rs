@@ -1,5 +1,6 @@
 //! Comparison of this camera with the strict solver.
 
+use fmc_camera::geometry::camera_grids::CameraGrids;
 use fmc_reference::strict::MAX_SOLVER_ERROR_NM;
 use fmc_reference::verification::result::{MAX_COORDINATE_ERROR_NM, MAX_ERROR_NM, Treatment};
 use serde::Serialize;
@@ -53,7 +54,7 @@ pub struct Proof {
 
 impl Proof {
     /// Collects the figures of a verification.
-    pub(super) fn new(inputs: &Inputs<'_>) -> Self {
+    pub(super) fn new(inputs: &Inputs<'_>, grids: &CameraGrids<'_>) -> Self {
         let result = inputs.verification;
         // Nothing is known of an error that was not looked for.
         let is_checked = result.points > 0;
@@ -71,7 +72,7 @@ impl Proof {
         let times = ends(&|index| frame(index).map_or(f64::NAN, |frame| frame.exposure_s));
         let camera = result.errors(Treatment::Camera);
         let at_rest = result.errors(Treatment::Static);
-        let least_scale = f64::from(inputs.checked.calibration().least_scale());
+        let least_scale = f64::from(grids.least_scale());
         Self {
             passed: result.passed(),
             device: inputs.device.to_owned(),

@@ -124,7 +124,7 @@ impl<'a> FlightExport<'a> {
             images,
             poses: flight.poses.as_deref(),
             at_rest: pinhole,
-            without_k0: Correction::of(&camera.without_k0()),
+            without_k0: Correction::of(&camera.polynomial().without_k0()),
         };
         let bend = largest_bend(camera);
         let export = Self {
@@ -273,34 +273,52 @@ fn at_rest(
 
 /// Returns the largest residual of frames.
 fn residual(camera: &Calibrated, frames: &[ImageCamera], exported: &Exported) -> Residual {
-    let Formula::Pinhole(pinhole) = &exported.formula else {
+    if camera.residual.is_empty() && matches!(exported.formula, Formula::Correction(_)) {
         return exported.residual;
-    };
+    }
     frames
         .iter()
-        .map(|frame| {
-            let moved = frame.pinhole(camera, pinhole);
-            frame_residual(camera, frame, &moved)
+        .map(|frame| match &exported.formula {
+            Formula::Pinhole(pinhole) => {
+                let moved = frame.pinhole(camera, pinhole);
+                frame_residual(camera, frame, |point, ray| {
+                    let [x, y] = camera.sensor_from_pixel(moved.pixel_from_ray(ray));
+                    [x - point[0], y - point[1]]
+                })
+            }
+            Formula::Correction(correction) => {
+                let moved = frame.correction(correction);
+                let distance = moved.principal_distance_mm;
+                frame_residual(camera, frame, |point, [x, y]| {
+                    let [program_x, program_y] = moved.ray_from_measured(point);
+                    [(program_x - x) * distance, (y - program_y) * distance]
+                })
+            }
         })
         .max_by(|a, b| a.largest_um.total_cmp(&b.largest_um))
         .unwrap_or_default()
 }
 
-/// Returns the difference of measured points on the sensor of a frame, program's - camera's.
+/// Returns the difference of points on the sensor of a frame, program's - camera's, which
+/// `difference` gives for a point and its strict ray.
 ///
 /// # Model
 /// A point of the frame is seen where the calibrated camera has its distance from the principal
-/// point divided by 1 + κ; the terms of μ₂ are left out.
-fn frame_residual(camera: &Calibrated, frame: &ImageCamera, program: &Pinhole) -> Residual {
+/// point divided by 1 + κ, with the residual grid of the lens; that of the sensor stays. The terms
+/// of μ₂ are left out.
+fn frame_residual(
+    camera: &Calibrated,
+    frame: &ImageCamera,
+    difference: impl Fn([f64; 2], [f64; 2]) -> [f64; 2],
+) -> Residual {
     let [x0, y0] = camera.principal_point_mm;
     let [moved_x, moved_y] = frame.principal_point();
     Residual::of(camera.grid_mm(GRID).into_iter().map(|point| {
         let [at_x, at_y] = point;
         let scale = frame.scale();
         let at_rest = [x0 + (at_x - moved_x) / scale, y0 + (at_y - moved_y) / scale];
-        let ray = camera.ray_from_measured(at_rest);
-        let [x, y] = camera.sensor_from_pixel(program.pixel_from_ray(ray));
-        (point, [x - at_x, y - at_y])
+        let ray = camera.ray_of_frame(at_rest, point, scale);
+        (point, difference(point, ray))
     }))
 }
 
@@ -322,7 +340,25 @@ fn largest_bend(camera: &Calibrated) -> f64 {
             largest = largest.max((bx - ax).abs()).max((by - ay).abs());
         }
     }
-    largest / (2.0 * STEP_MM)
+    largest / (2.0 * STEP_MM) + lens_grid_bend(camera)
+}
+
+/// Returns the same of the residual grid of the lens, which moves with it, 1/mm.
+fn lens_grid_bend(camera: &Calibrated) -> f64 {
+    const STEP_MM: f64 = 0.01;
+    let mut largest = 0.0_f64;
+    for [x, y] in camera.grid_mm(GRID) {
+        for [ex, ey] in [[STEP_MM, 0.0], [0.0, STEP_MM]] {
+            let at = |steps: f64| {
+                let place = [x + steps * ex, y + steps * ey];
+                camera.residual.of_lens(place)
+            };
+            for ((before, here), after) in at(-1.0).into_iter().zip(at(0.0)).zip(at(1.0)) {
+                largest = largest.max((before - 2.0 * here + after).abs());
+            }
+        }
+    }
+    largest / (STEP_MM * STEP_MM)
 }
 
 /// Checks that the program can read the names of the images, and tell them apart.

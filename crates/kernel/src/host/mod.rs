@@ -5,7 +5,7 @@
 //! order, none of them fused. (A NaN stays a NaN, but the processor chooses its payload.) The
 //! vectors are those of the crate `pulp`: it detects instructions without the standard library,
 //! issues a proof of them without which a kernel cannot be called, and lets a test run every level
-//! that the machine has. `tests/host` says how the NEON level is run on a machine without it.
+//! that the machine has. `cargo xtask aarch64` runs the NEON level on a machine without it.
 
 #![expect(
     clippy::inline_always,

@@ -12,9 +12,8 @@ pub(super) fn row<S: Sample>(level: Level, taps: usize, row: Row<'_, S>) -> u32 
         Token::Avx512(proof) => super::avx512::row(proof, taps, row),
         #[cfg(target_arch = "x86_64")]
         Token::Avx2(proof) => super::avx2::row(proof, taps, row),
-        // Every aarch64 has NEON, so that the compiler uses it without being asked.
         #[cfg(target_arch = "aarch64")]
-        Token::Neon(_) => by_size(Plain, taps, row),
+        Token::Neon(proof) => super::neon::row(proof, taps, row),
         Token::Baseline => by_size(Plain, taps, row),
     }
 }

@@ -20,6 +20,8 @@ mod band;
 mod by_size;
 mod dispatch;
 mod kernel;
+#[cfg(target_arch = "aarch64")]
+mod neon;
 mod pixel;
 mod portable;
 mod run;

@@ -1,6 +1,6 @@
 //! Resampling: bits on every instruction set, grey values and ramps against double precision.
 //!
-//! `tests/host` says how the NEON level is run on a machine without it.
+//! `cargo xtask aarch64` runs the NEON level on a machine without it.
 
 #![cfg_attr(
     test,

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use fmc_raster::{
     ByteOrder, ChunkEncoder, Chunks, Compression, FramePlan, FrameReader, Mask, PixelCrc,
-    PlanOptions, Sample, TagOptions, TiffFile,
+    PlanOptions, Sample, TILE_ROW_LIMIT_BYTES, TagOptions, TiffFile,
 };
 use tiff::decoder::{Decoder, DecodingResult};
 
@@ -122,6 +122,14 @@ fn every_layout_is_read_in_bands_of_any_height() {
             assert_eq!(header.planar, frame.planar);
             assert_eq!(read(&mut reader, 5 + case), frame.pixels(), "{frame:?}");
             frames += 1;
+            // The tiles of a row that is too long are decoded side by side.
+            let is_tiled = matches!(chunks, Chunks::Tiles { .. });
+            if !is_tiled || case % 3 > 0 {
+                continue;
+            }
+            let reader = FrameReader::new(Arc::new(frame.bytes())).unwrap();
+            let found = read(&mut reader.holding(0), 5 + case);
+            assert_eq!(found, frame.pixels(), "{frame:?}");
         }
     }
     assert_eq!(frames, 8 * 5 * 3 * 2 * 2 * 4);
@@ -252,6 +260,28 @@ fn output_is_laid_out_as_the_input_unless_asked() {
     );
     assert_eq!(asked.chunks(), Chunks::Strips { rows: 29 });
     assert!(!asked.is_big());
+
+    // Rows of tiles that are too long for memory become strips.
+    let tiled = |side| {
+        let frame = TestFrame {
+            chunks: Chunks::Tiles {
+                width_px: side,
+                height_px: side,
+            },
+            ..TestFrame::default()
+        };
+        let reader = FrameReader::new(Arc::new(frame.bytes())).unwrap();
+        let plan = FramePlan::new(reader.header(), [30_000, 20_000], &PlanOptions::default());
+        plan.unwrap().chunks()
+    };
+    let bytes_per_row = 30_000 * 3 * 2;
+    let longest = u32::try_from(TILE_ROW_LIMIT_BYTES / bytes_per_row).unwrap() / 16 * 16;
+    let kept = Chunks::Tiles {
+        width_px: longest,
+        height_px: longest,
+    };
+    assert_eq!(tiled(longest), kept);
+    assert_eq!(tiled(longest + 16), Chunks::Strips { rows: 64 });
 
     // A frame of more than 4 GB - 64 kB becomes a BigTIFF, by its size or by what stands beside.
     let reader = FrameReader::new(Arc::new(TestFrame::default().bytes())).unwrap();

@@ -305,37 +305,46 @@ fn damaged_pixels_are_named_by_chunk_and_row() {
 }
 
 #[test]
-fn checksum_of_deflate_is_compared() {
-    let frame = TestFrame {
-        compression: Compression::Deflate,
-        chunks: Chunks::Strips { rows: 29 },
-        ..TestFrame::default()
-    };
-    let mut file = TiffBytes::new(frame.order, frame.big);
-    let entries = frame.pixel_entries(&mut file);
-    let last = file.bytes.len() - 1;
-    file.page(&entries, None);
-    file.bytes[last] ^= 1;
-    assert!(message(file.bytes).starts_with("chunk 0, from row 25 on: "));
-}
-
-#[test]
-fn a_checksum_of_deflate_that_is_cut_off_is_named() {
-    let frame = TestFrame {
-        compression: Compression::Deflate,
-        chunks: Chunks::Strips { rows: 29 },
-        ..TestFrame::default()
-    };
-    let mut file = TiffBytes::new(frame.order, frame.big);
-    let mut entries = frame.pixel_entries(&mut file);
-    let lengths = entries.iter_mut().find(|(tag, _, _)| *tag == 279).unwrap();
-    let length = u32::from_le_bytes(lengths.2[..4].try_into().unwrap());
-    *lengths = longs(279, &[length - 1]);
-    file.page(&entries, None);
-    assert_eq!(
-        message(file.bytes),
-        "chunk 0, from row 25 on: the checksum behind its rows is cut off"
-    );
+fn checksums_of_deflate_that_are_wrong_cut_off_or_absent_are_named() {
+    for chunks in [
+        Chunks::Strips { rows: 29 },
+        Chunks::Tiles {
+            width_px: 48,
+            height_px: 32,
+        },
+    ] {
+        let frame = TestFrame {
+            compression: Compression::Deflate,
+            size_px: [48, 32],
+            chunks,
+            ..TestFrame::default()
+        };
+        let of_checksum = |cut: u32, flipped: u8| {
+            let mut file = TiffBytes::new(frame.order, frame.big);
+            let mut entries = frame.pixel_entries(&mut file);
+            let last = file.bytes.len() - 1;
+            file.bytes[last] ^= flipped;
+            let lengths = entries
+                .iter_mut()
+                .find(|(tag, _, _)| [279, 325].contains(tag));
+            let lengths = lengths.unwrap();
+            let numbers = lengths.2.chunks_exact(4);
+            let mut numbers: Vec<u32> = numbers
+                .map(|number| u32::from_le_bytes(number.try_into().unwrap()))
+                .collect();
+            *numbers.last_mut().unwrap() -= cut;
+            *lengths = longs(lengths.0, &numbers);
+            file.page(&entries, None);
+            let message = message(file.bytes);
+            message.split_once(": ").unwrap().1.to_owned()
+        };
+        for cut in 1..=4 {
+            let expected = "the checksum behind its rows is cut off or missing";
+            assert_eq!(of_checksum(cut, 0), expected);
+        }
+        let wrong = "the checksum behind its rows is not that of its bytes";
+        assert_eq!(of_checksum(0, 1), wrong);
+    }
 }
 
 #[test]

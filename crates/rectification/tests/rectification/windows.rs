@@ -1,8 +1,10 @@
 //! Sizes of output images.
 
+use fastrand::Rng;
 use fmc_rectification::{Centre, Rectification, Request, Resampling, Window};
 
-use crate::cameras::published_at_rest;
+use crate::cameras::{Case, published_at_rest, random};
+use crate::places::exact_place;
 
 /// Displacement at its largest in the window of the sensor's size, pixels, and sides of the windows
 /// inside and full, as computed independently.
@@ -92,5 +94,50 @@ fn the_inner_window_has_no_border_and_one_pixel_more_has() {
         assert_eq!(count([width, height]), 0, "{name}");
         assert!(count([width + 3, height]) > 0, "{name}");
         assert!(count([width, height + 3]) > 0, "{name}");
+    }
+}
+
+/// Returns how far the edge of an output image lies off the sensor where it is farthest, pixels;
+/// negative if it is on it everywhere. The corners of all pixels along the edge are tried.
+fn farthest_off_px(case: &Case, size_px: [u32; 2]) -> f64 {
+    let sensor = case.correction.sensor();
+    let sensor_px = [sensor.width_px(), sensor.height_px()].map(f64::from);
+    let mut farthest = f64::NEG_INFINITY;
+    let mut try_at = |corner: [u32; 2]| {
+        let place = corner.map(|side| f64::from(side) - 0.5);
+        let source = exact_place(&case.correction, case.principal_point, size_px, place);
+        for (source, side) in source.into_iter().zip(sensor_px) {
+            farthest = farthest.max(-0.5 - source).max(source - (side - 0.5));
+        }
+    };
+    let [width, height] = size_px;
+    for col in 0..=width {
+        try_at([col, 0]);
+        try_at([col, height]);
+    }
+    for row in 0..=height {
+        try_at([0, row]);
+        try_at([width, row]);
+    }
+    farthest
+}
+
+#[test]
+fn the_inner_window_of_any_camera_lies_on_the_sensor_and_a_larger_one_does_not() {
+    let mut rng = Rng::with_seed(19);
+    for number in 0..60 {
+        let case = random(&mut rng, [300, 700, 1500][number % 3]);
+        let request = request(Window::Inside);
+        let size = Rectification::size_px(&case.correction, case.principal_point, &request);
+        let [width, height] = size.unwrap();
+        let off = |size_px| farthest_off_px(&case, size_px);
+        // A window may miss a whole number by a millionth of a pixel.
+        let inside = off([width, height]);
+        assert!(inside <= 1e-6, "{}: {inside} px", case.name);
+        // The bound of an edge's bend may cost a pixel, and a side is whole.
+        for larger in [[width + 2, height], [width, height + 2]] {
+            let outside = off(larger);
+            assert!(outside > 0.0, "{}: {outside} px", case.name);
+        }
     }
 }

@@ -61,7 +61,7 @@ fn summary(found: &GridCalibration) -> Map<String, Value> {
     let mut put = |key: &str, value: Value| summary.insert(key.to_owned(), value);
     put("grids", json!(grids));
     put("polynomial_alone", errors(found.of_polynomial));
-    put("camera", errors(found.of_camera));
+    put("polynomial_and_grid", errors(found.of_camera));
     put("largest_sigma_um", json!(1e3 * found.largest_sigma_mm));
     summary
 }

@@ -2,13 +2,19 @@
 
 use std::path::PathBuf;
 
+use fmc_adjustment::calibration::dlt2d::distortion_table::Dlt2d;
 use fmc_adjustment::calibration::dlt2d::dlt2d;
 use fmc_adjustment::calibration::dlt2d::request::Dlt2dRequest;
+use fmc_adjustment::grid::calibration::GridCalibration;
+use fmc_camera::geometry::grid::GridCarrier;
+use fmc_camera_file::grid_block::without_grids;
+use fmc_camera_file::{CameraFile, static_block};
 use fmc_report::calibration::dlt2d::of_method;
+use fmc_report::calibration::grid;
 use fmc_report::calibration::result::of_method::PageTable;
 
 use super::report::{self, Prepared};
-use crate::cli::Dlt2dArgs;
+use crate::cli::{Dlt2dArgs, OneGridPart};
 use crate::failure::Failure;
 use crate::formats::calibration_points;
 
@@ -16,7 +22,16 @@ use crate::formats::calibration_points;
 pub(in crate::command) fn run(args: &Dlt2dArgs) -> Result<(), Failure> {
     report::check_date(&args.common.files)?;
     let corners = corners(args)?;
-    let (camera, _) = crate::command::read_camera(&args.common.files.camera)?;
+    let path = args.common.files.camera.as_path();
+    let (name, text) = (path.display().to_string(), report::camera_text(path)?);
+    // With --grid, grids of a former calibration are replaced.
+    let text = if args.grid {
+        without_grids(&name, &text)?
+    } else {
+        text
+    };
+    let (camera, _) = CameraFile::parse(&name, &text)?;
+    crate::command::warn_of_distortion(path, &camera);
     let file = calibration_points::plane_targets(&args.targets, &camera)?;
     if file.settings.is_empty() {
         return Err(Failure::bad_input(format!(
@@ -36,19 +51,36 @@ pub(in crate::command) fn run(args: &Dlt2dArgs) -> Result<(), Failure> {
             is_estimated: args.estimate.0,
             keeps_all: args.common.keep_all,
         })?;
-        let of_method = of_method(&found).map_err(report::failed)?;
+        let mut of_method = of_method(&found).map_err(report::failed)?;
+        let grid = grid(args, &found)?;
+        if let Some(grid) = &grid {
+            of_method.join(grid::of_method(grid).map_err(report::failed)?);
+            let doubts = grid
+                .result
+                .warnings
+                .iter()
+                .map(|warning| format!("grid: {warning}"));
+            found.result.warnings.extend(doubts);
+        }
         let mut tables: Vec<String> = of_method.tables.iter().map(PageTable::text).collect();
         if let Some(focus) = &setting.focus {
             tables.push(format!("the tables above are those of focus {focus}\n"));
         }
         let folder = folder(args, setting.focus.as_deref(), file.settings.len())?;
-        let outputs = Prepared::of(
+        let made = match &grid {
+            Some(grid) => super::grid::camera_file(&name, &text, grid),
+            None => static_block::with_calibration(&name, &text, &found.result.calibrated),
+        };
+        let former = super::grid::add_files(&mut of_method, grid.as_ref().filter(|_| made.is_ok()));
+        let outputs = Prepared::with_camera(
             &mut found.result,
             of_method,
+            made,
             &args.common.files,
             &[&args.targets],
             folder.as_deref(),
-        )?;
+        )?
+        .without(former);
         prepared.push((found, tables, outputs));
     }
     // A setting without a usable camera does not keep the others from their files.
@@ -58,6 +90,18 @@ pub(in crate::command) fn run(args: &Dlt2dArgs) -> Result<(), Failure> {
         conclusion = conclusion.and(outputs.write());
     }
     conclusion
+}
+
+/// Returns the grid that is asked for.
+fn grid(args: &Dlt2dArgs, found: &Dlt2d) -> Result<Option<GridCalibration>, Failure> {
+    let Some(pitch_mm) = args.pitch_mm else {
+        return Ok(None);
+    };
+    let carrier = match args.frame {
+        OneGridPart::Lens => GridCarrier::Lens,
+        OneGridPart::Sensor => GridCarrier::Sensor,
+    };
+    Ok(Some(found.leftover_grid(carrier, pitch_mm)?))
 }
 
 fn corners(args: &Dlt2dArgs) -> Result<Option<[String; 4]>, Failure> {

@@ -9,7 +9,7 @@ use fmc_camera::geometry::grid::GridCarrier;
 use fmc_camera_file::grid_block::{GridEntry, with_grids, without_grids};
 use fmc_camera_file::{CameraFile, GridFiles, InputError, static_block};
 use fmc_report::calibration::grid::of_method;
-use fmc_report::calibration::result::of_method::PageTable;
+use fmc_report::calibration::result::of_method::{OfMethod, PageTable};
 
 use super::report::{self, Prepared};
 use crate::cli::{GridArgs, GridPart};
@@ -45,15 +45,7 @@ pub(in crate::command) fn run(args: &GridArgs) -> Result<(), Failure> {
     let mut of_method = of_method(&found).map_err(report::failed)?;
     let tables: Vec<String> = of_method.tables.iter().map(PageTable::text).collect();
     let made = camera_file(&name, &text, &found);
-    let mut former: Vec<String> = [GridCarrier::Lens, GridCarrier::Sensor]
-        .map(|carrier| CalibratedGrid::file_name_of(carrier).to_owned())
-        .to_vec();
-    if made.is_ok() {
-        let files = found.grids.iter();
-        let files = files.map(|grid| (grid.file_name().to_owned(), grid.bytes.clone()));
-        of_method.files.extend(files);
-        former.retain(|name| found.grids.iter().all(|grid| grid.file_name() != name));
-    }
+    let former = add_files(&mut of_method, Some(&found).filter(|_| made.is_ok()));
     let inputs: [&Path; 1] = [&args.table];
     let folder = args.files.out.as_deref();
     let result = &mut found.result;
@@ -62,8 +54,27 @@ pub(in crate::command) fn run(args: &GridArgs) -> Result<(), Failure> {
     outputs.without(former).write()
 }
 
+/// Adds the files of grids to those of a calibration; returns the names of those that a former
+/// calibration may have left.
+pub(super) fn add_files(of_method: &mut OfMethod, found: Option<&GridCalibration>) -> Vec<String> {
+    let grids = found.map_or(&[][..], |found| &found.grids);
+    let files = grids.iter();
+    let files = files.map(|grid| (grid.file_name().to_owned(), grid.bytes.clone()));
+    of_method.files.extend(files);
+    [GridCarrier::Lens, GridCarrier::Sensor]
+        .map(CalibratedGrid::file_name_of)
+        .into_iter()
+        .filter(|name| grids.iter().all(|grid| grid.file_name() != *name))
+        .map(str::to_owned)
+        .collect()
+}
+
 /// Returns the text of the camera file with polynomial and grids, which a camera accepts.
-fn camera_file(name: &str, text: &str, found: &GridCalibration) -> Result<String, InputError> {
+pub(super) fn camera_file(
+    name: &str,
+    text: &str,
+    found: &GridCalibration,
+) -> Result<String, InputError> {
     let text = static_block::with_calibration(name, text, &found.result.calibrated)?;
     let (_, camera) = CameraFile::parse(name, &text)?;
     let bytes = |carrier: GridCarrier| {

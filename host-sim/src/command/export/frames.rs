@@ -2,12 +2,13 @@
 
 use std::path::Path;
 
-use fmc_camera_file::CameraFile;
+use fmc_camera_file::{CameraFile, GridFiles};
 use fmc_exchange::calibrated::Calibrated;
 use fmc_exchange::export::Choices;
 use fmc_exchange::frames::{Flight, FlightExport, ImageNames, ImagePose};
 use fmc_exchange::program::Program;
 use fmc_frames::{FrameCamera, ImageMap, records};
+use fmc_reference::residual_splines::ResidualSplines;
 use fmc_report::exchange::{ExportSummary, ExportedFlight};
 
 use crate::cli::ExportArgs;
@@ -22,11 +23,13 @@ const ORIENTATION: &str = "orientation.csv";
 pub(super) fn run(
     args: &ExportArgs,
     path: &Path,
-    camera: &CameraFile,
+    (camera, grids): (&CameraFile, GridFiles),
     camera_bytes: &[u8],
     choices: &Choices<'_>,
 ) -> Result<(), Failure> {
-    let mut flight = read(path, &args.camera, camera)?;
+    let name = args.camera.display().to_string();
+    let frame_camera = FrameCamera::with_grids(&name, camera, grids)?;
+    let mut flight = read(path, &frame_camera, camera)?;
     let trajectory = args.trajectory.trajectory.as_deref();
     let mut orientations = trajectory
         .map(|path| Orientations::open(&args.trajectory, path, true))
@@ -44,7 +47,8 @@ pub(super) fn run(
             args.image_name.text().to_owned(),
         ),
     };
-    let calibrated = Calibrated::of(camera);
+    let splines = ResidualSplines::of(&frame_camera.grids()?);
+    let calibrated = Calibrated::of(camera).with_residual(splines);
     let export = FlightExport::new(&calibrated, &flight, &images, args.format, choices)?;
     let files = export.files();
     let frames = ExportedFlight::of(
@@ -114,12 +118,11 @@ fn add_poses(
 }
 
 /// Reads the records of a flight, and keeps of each what a program needs.
-fn read(path: &Path, camera_path: &Path, camera: &CameraFile) -> Result<Flight, Failure> {
-    let frame_camera = FrameCamera::new(&camera_path.display().to_string(), camera)?;
+fn read(path: &Path, frame_camera: &FrameCamera, camera: &CameraFile) -> Result<Flight, Failure> {
     let exit_pupil_mm = camera.exit_pupil_mm();
     let mut flight = Flight::default();
     frame_file::with_bar(path, true, |name, source| {
-        records::read_from(name, source, &frame_camera, |frame| {
+        records::read_from(name, source, frame_camera, |frame| {
             flight.push(&frame, exit_pupil_mm)
         })
     })?;

@@ -1,18 +1,24 @@
 //! A frame whose points are being corrected.
 
 use fmc_camera::geometry::calibration::Calibration;
-use fmc_camera::geometry::frame_correction::FrameCorrection;
+use fmc_camera::geometry::camera_grids::CameraGrids;
+use fmc_camera::geometry::exposure_distortion::ExposureDistortion;
+use fmc_camera::geometry::gridded_correction::GriddedCorrection;
 use fmc_camera::geometry::principal_distance::FocusSign;
 use fmc_camera::geometry::sensor::SensorPoint;
 use fmc_frames::FrameRow;
 
 use crate::device::PointBatch;
 
+/// Points of a frame in a row from which the vectors are worth their start.
+const BATCH: usize = 24;
+
 /// The correction of a frame, and the shift that refers its coordinates to the calibration.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct ActiveFrame {
-    pub(super) correction: FrameCorrection,
-    pub(super) batch: PointBatch,
+pub(super) struct ActiveFrame<'a> {
+    pub(super) correction: GriddedCorrection<'a>,
+    /// Vectors for many points; `None` with residual grids.
+    pub(super) batch: Option<PointBatch>,
     /// c̄·e: centroid principal point of the frame - the calibrated one, mm.
     pub(super) shift_mm: [f64; 2],
     /// Calibrated principal point, mm.
@@ -26,15 +32,16 @@ pub(super) struct ActiveFrame {
     pub(super) focus_sign: FocusSign,
 }
 
-impl ActiveFrame {
+impl<'a> ActiveFrame<'a> {
     /// Creates the frame; `None` for a refused trigger. `principal_point_mm` is the calibrated one
     /// as the camera file has it.
     pub(super) fn new(
         row: &FrameRow,
         calibration: &Calibration,
+        grids: &CameraGrids<'a>,
         principal_point_mm: [f64; 2],
     ) -> Option<Self> {
-        let correction = row.correction(calibration)?;
+        let correction = row.gridded(calibration, grids)?;
         let SensorPoint { x_mm, y_mm } = calibration
             .parameters()
             .axis
@@ -42,7 +49,9 @@ impl ActiveFrame {
         let axis = [x_mm, y_mm].map(f64::from);
         let centroid_mm = f64::from(row.motion.centroid_mm);
         Some(Self {
-            batch: PointBatch::new(&correction),
+            batch: correction
+                .is_polynomial()
+                .then(|| PointBatch::new(correction.polynomial())),
             correction,
             shift_mm: axis.map(|component| centroid_mm * component),
             principal_point_mm,
@@ -51,6 +60,11 @@ impl ActiveFrame {
             sigma_mm: row.sigma().map(|sigma| f64::from(sigma.total_mm())),
             focus_sign: row.focus_sign(),
         })
+    }
+
+    /// Returns the vectors for a number of points, where they are worth it.
+    pub(super) fn batch_of(&self, points: usize) -> Option<&PointBatch> {
+        self.batch.as_ref().filter(|_| points >= BATCH)
     }
 
     /// Returns `true` if the frame's measured points can be referred to the calibration: with the

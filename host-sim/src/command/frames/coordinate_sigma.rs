@@ -11,12 +11,13 @@ use crate::command::points::Direction;
 /// Returns the change of an answer with the principal point along the FMC axis, mm per mm.
 ///
 /// # Model
-/// An ideal point is x - D(x - c): it moves by J·e, with J = ∂D/∂x. About the calibrated principal
+/// An ideal point is x - D(x - c): it moves by J·e, with J = ∂D/∂x, that of the polynomial: the
+/// slope of residual grids, a thousandth or less, is left out of σ. About the calibrated principal
 /// point it moves by J·e - e, a measured one by -e/(1 + κ). In the other direction, with x - D = x'
 /// of an ideal point x', the measured point moves by (I - J)⁻¹·J·e, and by e for points about the
 /// calibrated principal point.
 pub(super) fn by_principal_point(
-    frame: &ActiveFrame,
+    frame: &ActiveFrame<'_>,
     jacobian: Jacobian,
     direction: Direction,
     answer: AnswerName,
@@ -46,7 +47,7 @@ pub(super) fn by_principal_point(
 /// (I - J)⁻¹·G for the measured points of ideal ones; points that are moved alone have none.
 pub(super) fn by_calibration(
     covariance: &CalibrationCovariance,
-    frame: &ActiveFrame,
+    frame: &ActiveFrame<'_>,
     measured: SensorPoint,
     direction: Direction,
     answer: AnswerName,
@@ -54,8 +55,9 @@ pub(super) fn by_calibration(
     if answer == AnswerName::MeasuredShifted {
         return [0.0; 2];
     }
-    let jacobian = frame.correction.jacobian(measured);
-    let centre = frame.correction.centre();
+    let polynomial = frame.correction.polynomial();
+    let jacobian = polynomial.jacobian(measured);
+    let centre = polynomial.centre();
     let point_mm = [measured.x_mm - centre.x_mm, measured.y_mm - centre.y_mm].map(f64::from);
     covariance.variance_mm2(point_mm, jacobian, |change| match direction {
         Direction::Correct => change,

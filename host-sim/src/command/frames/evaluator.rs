@@ -2,9 +2,11 @@
 
 use std::ops::Range;
 
+use fmc_camera::geometry::camera_grids::CameraGrids;
 use fmc_camera::geometry::frame_correction::Corrected;
 use fmc_camera::geometry::inverse::DistortError;
 use fmc_camera::geometry::sensor::SensorPoint;
+use fmc_camera_file::InputError;
 use fmc_camera_file::number::single;
 use fmc_frames::CalibrationCovariance;
 
@@ -21,19 +23,17 @@ use crate::formats::points::{Answer, half_format_mm};
 /// frames share them by the last digits of their places.
 const KEPT: usize = 1024;
 
-/// Points of a frame in a row from which the vectors are worth their start.
-const BATCH: usize = 24;
-
 /// Evaluator of the points of a flight.
 pub(super) struct Evaluator<'a> {
     flight: &'a Flight,
+    grids: CameraGrids<'a>,
     direction: Direction,
     answer: AnswerName,
     sigma: bool,
     covariance: Option<&'a CalibrationCovariance>,
     half_format_mm: [f64; 2],
     /// Corrections with the places of their frames.
-    kept: Vec<Option<(u32, ActiveFrame)>>,
+    kept: Vec<Option<(u32, ActiveFrame<'a>)>>,
     points: Vec<SensorPoint>,
 }
 
@@ -45,15 +45,20 @@ pub(super) struct Unshiftable {
 }
 
 impl<'a> Evaluator<'a> {
+    /// Creates the evaluator.
+    ///
+    /// # Errors
+    /// [`InputError`] of residual grids that do not fit the camera.
     pub(super) fn new(
         flight: &'a Flight,
         direction: Direction,
         answer: AnswerName,
         sigma: bool,
         covariance: Option<&'a CalibrationCovariance>,
-    ) -> Self {
-        Self {
+    ) -> Result<Self, InputError> {
+        Ok(Self {
             flight,
+            grids: flight.camera.grids()?,
             direction,
             answer,
             sigma,
@@ -61,7 +66,7 @@ impl<'a> Evaluator<'a> {
             half_format_mm: half_format_mm(&flight.file),
             kept: vec![None; KEPT],
             points: Vec::new(),
-        }
+        })
     }
 
     /// Answers the points of a block.
@@ -94,7 +99,7 @@ impl<'a> Evaluator<'a> {
     }
 
     /// Returns the correction of a frame; `None` for a refused trigger.
-    fn frame(&mut self, place: u32) -> Option<ActiveFrame> {
+    fn frame(&mut self, place: u32) -> Option<ActiveFrame<'a>> {
         let index = place as usize;
         let kept = self.kept.get_mut(index % KEPT)?;
         match kept {
@@ -102,8 +107,9 @@ impl<'a> Evaluator<'a> {
             _ => {
                 let flight = self.flight;
                 let row = flight.table.rows().get(index)?;
+                let calibration = flight.camera.calibration();
                 let principal_point_mm = flight.file.principal_point_mm;
-                let frame = ActiveFrame::new(row, flight.camera.calibration(), principal_point_mm)?;
+                let frame = ActiveFrame::new(row, calibration, &self.grids, principal_point_mm)?;
                 *kept = Some((place, frame));
                 Some(frame)
             }
@@ -122,7 +128,7 @@ impl<'a> Evaluator<'a> {
     /// Answers the points of a frame that follow each other.
     fn answer_run(
         &mut self,
-        frame: &ActiveFrame,
+        frame: &ActiveFrame<'_>,
         block: &FrameBlock,
         run: Range<usize>,
         answers: &mut FrameAnswers,
@@ -149,8 +155,8 @@ impl<'a> Evaluator<'a> {
     }
 
     /// Returns σ of an answer, mm.
-    fn sigma_mm(&self, frame: &ActiveFrame, measured: SensorPoint) -> [f64; 2] {
-        let jacobian = frame.correction.jacobian(measured);
+    fn sigma_mm(&self, frame: &ActiveFrame<'_>, measured: SensorPoint) -> [f64; 2] {
+        let jacobian = frame.correction.polynomial().jacobian(measured);
         let change = by_principal_point(frame, jacobian, self.direction, self.answer);
         let sigma_mm = match (frame.sigma_mm, self.covariance) {
             (Some(sigma_mm), _) => sigma_mm,
@@ -170,17 +176,18 @@ impl<'a> Evaluator<'a> {
         }
     }
 
-    fn correct(&mut self, frame: &ActiveFrame, given: &[[f64; 2]], answers: &mut FrameAnswers) {
+    fn correct(&mut self, frame: &ActiveFrame<'_>, given: &[[f64; 2]], answers: &mut FrameAnswers) {
         self.points.clear();
         self.points
             .extend(given.iter().map(|point| sensor_point(*point)));
         let [half_width, half_height] = self.half_format_mm;
         let correction = &frame.correction;
-        let all_inside = PointBatch::all_on_sensor(correction, &self.points);
+        let polynomial = correction.polynomial();
+        let all_inside = PointBatch::all_on_sensor(polynomial, &self.points);
         let flags = given.iter().zip(&self.points).map(|([x, y], point)| {
             let on = x.abs() <= half_width
                 && y.abs() <= half_height
-                && (all_inside || correction.contains(*point));
+                && (all_inside || polynomial.contains(*point));
             if on { Flag::None } else { Flag::OffSensor }
         });
         answers.flags.extend(flags);
@@ -196,20 +203,20 @@ impl<'a> Evaluator<'a> {
                 distortion_mm: [distortion.dx_mm, distortion.dy_mm].map(f64::from),
             }
         };
-        if self.points.len() < BATCH {
-            let points = self.points.iter().zip(given);
-            let corrected = points.map(|(point, given)| answer(correction.correct(*point), *given));
-            answers.answers.extend(corrected);
-        } else {
-            let corrected = frame.batch.corrected(&self.points);
+        if let Some(batch) = frame.batch_of(self.points.len()) {
+            let corrected = batch.corrected(&self.points);
             let points = corrected.into_iter().zip(given);
             answers
                 .answers
                 .extend(points.map(|(corrected, given)| answer(corrected, *given)));
+        } else {
+            let points = self.points.iter().zip(given);
+            let corrected = points.map(|(point, given)| answer(correction.correct(*point), *given));
+            answers.answers.extend(corrected);
         }
     }
 
-    fn distort(&mut self, frame: &ActiveFrame, given: &[[f64; 2]], answers: &mut FrameAnswers) {
+    fn distort(&mut self, frame: &ActiveFrame<'_>, given: &[[f64; 2]], answers: &mut FrameAnswers) {
         if self.answer == AnswerName::MeasuredShifted {
             for given in given {
                 let (answer, flag) = self.moved(frame, *given);
@@ -233,11 +240,8 @@ impl<'a> Evaluator<'a> {
             answers.answers.push(answer);
             answers.flags.push(flag);
         };
-        if self.points.len() < BATCH {
-            let found = self.points.iter().map(|ideal| correction.distort(*ideal));
-            found.for_each(push);
-        } else {
-            let stepped = frame.batch.stepped(&self.points);
+        if let Some(batch) = frame.batch_of(self.points.len()) {
+            let stepped = batch.stepped(&self.points);
             let found = stepped.into_iter().zip(&self.points);
             found
                 .map(|(found, ideal)| {
@@ -248,6 +252,9 @@ impl<'a> Evaluator<'a> {
                     }
                 })
                 .for_each(push);
+        } else {
+            let found = self.points.iter().map(|ideal| correction.distort(*ideal));
+            found.for_each(push);
         }
     }
 
@@ -280,7 +287,7 @@ impl<'a> Evaluator<'a> {
     }
 
     /// Returns the measured point of one about the calibrated principal point.
-    fn moved(&self, frame: &ActiveFrame, shifted_mm: [f64; 2]) -> (Answer, Flag) {
+    fn moved(&self, frame: &ActiveFrame<'_>, shifted_mm: [f64; 2]) -> (Answer, Flag) {
         let point_mm = frame.measured_from_shifted(shifted_mm);
         let [x, y] = point_mm;
         let [half_width, half_height] = self.half_format_mm;

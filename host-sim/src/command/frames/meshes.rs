@@ -2,8 +2,10 @@
 
 use std::path::PathBuf;
 
+use fmc_camera::flight::camera::Frame;
 use fmc_camera_file::InputError;
 use fmc_frames::{FlightFrame, Outcome};
+use fmc_reference::verification::device::CorrectingDevice;
 
 use super::FlightFile;
 use crate::cli::{DirectionName, MeshArgs};
@@ -16,6 +18,10 @@ pub(in crate::command) fn run(args: &MeshArgs) -> Result<(), Failure> {
     let flight = FlightFile::open(&args.exposure, &args.frames, &args.device)?;
     let layout = Layout::new(args, &flight.file)?;
     let mut device = InProcess::default();
+    device
+        .load_grids(flight.camera.grid_files())
+        .and_then(|()| device.load(&flight.file.parameters()))
+        .map_err(|error| args.exposure.refused(&flight.file, &error))?;
     let (mut found, mut refused) = (false, Vec::new());
     flight.read(|frame| {
         if args.sequence.is_some_and(|wanted| wanted != frame.sequence) {
@@ -43,8 +49,11 @@ pub(in crate::command) fn run(args: &MeshArgs) -> Result<(), Failure> {
                 frame.sequence
             ))
         })?;
-        device.correct_by(correction);
         let interior = &exposed.interior;
+        device.correct_by(Frame {
+            interior: *interior,
+            correction,
+        });
         let mesh_frame = MeshFrame {
             interior,
             correction: &correction,

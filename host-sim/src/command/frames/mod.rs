@@ -45,9 +45,10 @@ impl<'a> FlightFile<'a> {
         device: &DeviceArgs,
     ) -> Result<Self, Failure> {
         check_device(device)?;
-        let file = exposure.read_camera()?;
+        let (file, grids) = exposure.read_camera_with_grids()?;
+        let name = exposure.camera.display().to_string();
         Ok(Self {
-            camera: FrameCamera::new(&exposure.camera.display().to_string(), &file)?,
+            camera: FrameCamera::with_grids(&name, &file, grids)?,
             images: frames.images.as_deref().map(ImageMap::read).transpose()?,
             file,
             exposure,

@@ -53,7 +53,7 @@ pub(in crate::command) fn run(args: &PointsArgs, direction: Direction) -> Result
         args.answers.answer,
         has_sigma,
         covariance.as_ref(),
-    );
+    )?;
     let mut next = blocks.next_block()?;
     let bar = progress(bytes, out.is_some());
     let written = output::stream(out, |sink| {

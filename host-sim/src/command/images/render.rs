@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use fmc_camera::Camera;
-use fmc_camera_file::CameraFile;
+use fmc_camera_file::{CameraFile, grid_block};
 use fmc_raster::{FrameReader, Sample};
+use fmc_reference::residual_splines::ResidualSplines;
 use serde::Serialize;
 
 use super::scaled_camera;
@@ -18,17 +18,21 @@ use crate::formats::output::{self, OutputFolder};
 
 pub(in crate::command) fn run(args: &RenderArgs) -> Result<(), Failure> {
     let request = &args.exposure;
-    let text = scaled_camera::text(&request.camera, &request.read_camera()?, args.scale)?;
-    let (camera, _) = CameraFile::parse(&request.camera.display().to_string(), &text)?;
+    let name = request.camera.display().to_string();
+    let (given, grids) = request.read_camera_with_grids()?;
+    let text = scaled_camera::text(&request.camera, &given, args.scale)?;
+    let (text, copies) = grid_block::with_copies(&name, &text, &grids)?;
+    let without = grid_block::without_grids(&name, &text)?;
+    let (camera, checked) = CameraFile::parse(&name, &without)?;
+    let refused = |error: DeviceError| request.refused(&camera, &error);
     // The camera itself refuses an exposure outside its limits.
-    Camera::new(camera.parameters())
-        .map_err(DeviceError::Calibration)
-        .and_then(|checked| {
-            checked
-                .frame(&request.exposure())
-                .map_err(DeviceError::Frame)
-        })
-        .map_err(|error| request.refused(&camera, &error))?;
+    checked
+        .frame(&request.exposure())
+        .map_err(|error| refused(DeviceError::Frame(error)))?;
+    let fitting = grids
+        .grids(checked.calibration())
+        .map_err(|error| refused(DeviceError::Grids(error)))?;
+    let splines = ResidualSplines::of(&fitting);
     let (pattern, [bands, bits]) = match &args.image {
         None => (
             Pattern::waves(&args.periods, args.seed, args.bits),
@@ -36,7 +40,7 @@ pub(in crate::command) fn run(args: &RenderArgs) -> Result<(), Failure> {
         ),
         Some(path) => seen(path, &camera)?,
     };
-    let scene = Scene::new(&camera, &request.request(), pattern, [bands, bits]);
+    let scene = Scene::new(&camera, splines, &request.request(), pattern, [bands, bits]);
     let folder = OutputFolder::create(&args.out)?;
     let [frame, rectified] = ["frame.tif", "rectified.tif"].map(|name| folder.path().join(name));
     for path in [&frame, &rectified] {
@@ -44,7 +48,12 @@ pub(in crate::command) fn run(args: &RenderArgs) -> Result<(), Failure> {
             output::check_not_an_input(path, input)?;
         }
     }
-    output::check_not_an_input(&folder.path().join("camera.toml"), &request.camera)?;
+    for copy in ["camera.toml"]
+        .into_iter()
+        .chain(copies.iter().map(|(name, _)| name.as_str()))
+    {
+        output::check_not_an_input(&folder.path().join(copy), &request.camera)?;
+    }
     let format = Format {
         size_px: scene.size_px,
         bands,
@@ -52,11 +61,19 @@ pub(in crate::command) fn run(args: &RenderArgs) -> Result<(), Failure> {
     };
     written::write(&frame, format, |row| scene.recorded_row(row))?;
     written::write(&rectified, format, |row| scene.rectified_row(row))?;
+    for (name, bytes) in &copies {
+        folder.write(name, |sink| sink.write_all(bytes))?;
+    }
     folder.write("camera.toml", |sink| sink.write_all(text.as_bytes()))?;
     folder.write_json("render.json", &Description::of(args, &camera, &scene))?;
+    let names: Vec<&str> = ["frame.tif", "rectified.tif", "camera.toml", "render.json"]
+        .into_iter()
+        .chain(copies.iter().map(|(name, _)| name.as_str()))
+        .collect();
     note(format_args!(
-        "{}: frame.tif, rectified.tif, camera.toml, render.json",
-        folder.path().display()
+        "{}: {}",
+        folder.path().display(),
+        names.join(", ")
     ));
     Ok(())
 }

@@ -6,6 +6,7 @@ use fmc_camera_file::CameraFile;
 use fmc_rectification::pattern::{PatternImage, Wave, Waves};
 use fmc_rectification::truth::TrueGeometry;
 use fmc_reference::exposure::ExposureRequest;
+use fmc_reference::residual_splines::ResidualSplines;
 
 /// The part of a turn that no small fraction comes near: (3 - √5)/2 of it.
 const GOLDEN_ANGLE_RAD: f64 = 2.399_963_229_728_653;
@@ -73,13 +74,14 @@ pub(in crate::command) struct Scene {
 impl Scene {
     pub(in crate::command) fn new(
         camera: &CameraFile,
+        splines: ResidualSplines,
         request: &ExposureRequest,
         pattern: Pattern,
         [bands, bits]: [u8; 2],
     ) -> Self {
         let calibration = camera.parameters().calibration;
         Self {
-            geometry: TrueGeometry::new(camera, request),
+            geometry: TrueGeometry::with_splines(camera, splines, request),
             pattern,
             size_px: [calibration.width_px, calibration.height_px],
             bands,

@@ -2,14 +2,16 @@
 
 use fmc_camera::Camera;
 use fmc_camera::flight::exposure::{Exposure, FlightDirection};
-use fmc_camera::geometry::frame_correction::FrameCorrection;
+use fmc_camera::flight::gridded_frame::GriddedFrame;
+use fmc_camera::geometry::gridded_correction::GriddedCorrection;
 use fmc_camera::geometry::range::Quantity;
 use fmc_camera::geometry::sensor::SensorPoint;
-use fmc_camera_file::CameraFile;
 use fmc_camera_file::number::single;
+use fmc_camera_file::{CameraFile, GridFiles, grid_block};
 use fmc_rectification::comparison::ShiftSummary;
 use fmc_rectification::{Rectification, Request, Resampling, SourceBand, Window};
 use fmc_reference::exposure::{ExposureRequest, FocusFormula};
+use fmc_reference::residual_splines::ResidualSplines;
 use fmc_reference::verification::grid::{self, GridExposure};
 use fmc_report::images::kernel_result::{ALL_CAMERAS, KernelResult};
 use rayon::prelude::*;
@@ -64,16 +66,22 @@ impl Results {
     ///
     /// # Errors
     /// [`Failure`] of a camera that refuses the exposures.
-    pub(in crate::command) fn add_camera(&mut self, name: &str, text: &str) -> Result<(), Failure> {
+    pub(in crate::command) fn add_camera(
+        &mut self,
+        name: &str,
+        text: &str,
+        grids: &GridFiles,
+    ) -> Result<(), Failure> {
         let failed = |fault: &dyn std::fmt::Display| Failure::bad_input(format!("{name}: {fault}"));
-        let (camera, _) = CameraFile::parse(name, text)?;
-        let text =
-            scaled_camera::scaled(text, &camera, scale(&camera)).map_err(|fault| failed(&fault))?;
+        let text = grid_block::without_grids(name, text)?;
+        let (camera, _) = CameraFile::parse(name, &text)?;
+        let text = scaled_camera::scaled(&text, &camera, scale(&camera))
+            .map_err(|fault| failed(&fault))?;
         let (camera, _) = CameraFile::parse(name, &text)?;
         let mut kernels: [Found; KERNELS] = Default::default();
         for (seed, exposure) in (1..).zip(longest_travels(&camera)) {
             let rendered =
-                Rendered::of(&camera, &exposure, seed).map_err(|fault| failed(&fault))?;
+                Rendered::of(&camera, grids, &exposure, seed).map_err(|fault| failed(&fault))?;
             for (found, (kernel, _, _)) in kernels.iter_mut().zip(LIMITS_PX) {
                 let frame = rendered.rectified(kernel).map_err(|fault| failed(&fault))?;
                 found.merge(&frame);
@@ -149,19 +157,27 @@ fn longest_travels(camera: &CameraFile) -> Vec<GridExposure> {
 }
 
 /// A frame and its exactly rectified answer.
-struct Rendered {
-    correction: FrameCorrection,
+struct Rendered<'a> {
+    correction: GriddedCorrection<'a>,
     principal_point: SensorPoint,
     size_px: [u32; 2],
     frame: Vec<u16>,
     answer: Vec<u16>,
 }
 
-impl Rendered {
-    fn of(camera: &CameraFile, exposure: &GridExposure, seed: u64) -> Result<Self, String> {
+impl<'a> Rendered<'a> {
+    fn of(
+        camera: &CameraFile,
+        grids: &'a GridFiles,
+        exposure: &GridExposure,
+        seed: u64,
+    ) -> Result<Self, String> {
         let mut file = camera.clone();
         file.fmc.strategy = exposure.strategy.or(file.fmc.strategy);
         let camera = Camera::new(file.parameters()).map_err(|error| error.to_string())?;
+        let grids = grids
+            .grids(camera.calibration())
+            .map_err(|error| error.to_string())?;
         let (vh_per_s, exposure_s) = (exposure.vh_per_s, exposure.exposure_s);
         let frame = camera
             .frame(&Exposure::new(single(vh_per_s), single(exposure_s)))
@@ -175,7 +191,13 @@ impl Rendered {
             direction: FlightDirection::Forward,
         };
         let pattern = Pattern::waves(&PERIODS_PX, seed, 16);
-        let scene = Scene::new(&file, &request, pattern, [1, 16]);
+        let scene = Scene::new(
+            &file,
+            ResidualSplines::of(&grids),
+            &request,
+            pattern,
+            [1, 16],
+        );
         let [_, height] = scene.size_px;
         let image = |row: &(dyn Fn(u32) -> Vec<f64> + Sync)| -> Vec<u16> {
             let rows = (0..height).into_par_iter();
@@ -183,7 +205,7 @@ impl Rendered {
                 .collect()
         };
         Ok(Self {
-            correction: frame.correction,
+            correction: GriddedFrame::new(&frame, &grids).correction,
             principal_point: frame.interior.principal_point,
             size_px: scene.size_px,
             frame: image(&|row| scene.recorded_row(row)),
@@ -198,7 +220,7 @@ impl Rendered {
             resampling,
             ..Request::default()
         };
-        let rectification = Rectification::new(&self.correction, self.principal_point, &request)
+        let rectification = Rectification::new(self.correction, self.principal_point, &request)
             .map_err(|error| error.to_string())?;
         let [width, _] = self.size_px.map(|side| side as usize);
         let rows: Vec<&[u16]> = self.frame.chunks_exact(width).collect();

@@ -11,8 +11,9 @@ use super::frame::{FrameRectifier, Rectified};
 use super::manifest::{Manifest, Row};
 use super::notes::Notes;
 use super::progress::Progress;
+use super::recorded_frame;
 use super::rectified_camera;
-use super::sidecar::{Input, Sidecar};
+use super::sidecar::Sidecar;
 use super::task::FrameTask;
 use crate::cli::{CentreName, RectifyArgs};
 use crate::failure::{Failure, note};
@@ -25,11 +26,12 @@ use crate::formats::part::Part;
 /// [`Failure`] of the options, of the camera, of the records, and of a frame: the first one, or
 /// with `--keep-going` the worst.
 pub(in crate::command) fn run(args: &RectifyArgs) -> Result<(), Failure> {
-    let file = args.exposure.read_camera()?;
-    let camera = FrameCamera::new(&args.exposure.camera.display().to_string(), &file)?;
+    let (file, grids) = args.exposure.read_camera_with_grids()?;
+    let name = args.exposure.camera.display().to_string();
+    let camera = FrameCamera::with_grids(&name, &file, grids)?;
     let tasks = FrameTask::all(args)?;
     let rectifier = FrameRectifier::new(args, &file, camera.crc())?;
-    let exposures = Exposures::read(args, &file, camera)?;
+    let exposures = Exposures::read(args, &file, &camera)?;
     // Of all frames of a table, whether they are chosen or not: all have one camera.
     let size_px = rectifier.block_size(&tasks, &exposures)?;
     let tasks = FrameTask::chosen(tasks, args)?;
@@ -57,7 +59,7 @@ struct Block<'a> {
     file: &'a CameraFile,
     folder: OutputFolder,
     rectifier: FrameRectifier<'a>,
-    exposures: Exposures,
+    exposures: Exposures<'a>,
     /// Width and height of every rectified image.
     size_px: [u32; 2],
 }
@@ -198,11 +200,11 @@ impl Block<'_> {
             && sidecar.version == super::VERSION
             && sidecar.camera == self.rectifier.camera
             && [output.width_px, output.height_px] == self.size_px
-            && Input::of(&task.path).is_ok_and(|input| input == sidecar.input)
             && self
                 .exposures
                 .of(task, self.file)
-                .is_ok_and(|exposure| exposure.record == sidecar.record))
+                .is_ok_and(|exposure| exposure.record == sidecar.record)
+            && recorded_frame::is_that_of(&sidecar.input, &path, task))
     }
 }
 

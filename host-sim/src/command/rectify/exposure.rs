@@ -1,10 +1,12 @@
 //! Exposures of the frames, from the records of a flight or from the options.
 
 use fmc_camera::Camera;
+use fmc_camera::flight::gridded_frame::GriddedFrame;
 use fmc_camera::flight::interior_orientation::InteriorOrientation;
 use fmc_camera::flight::principal_point_sigma::PrincipalPointSigma;
 use fmc_camera::flight::time::Time;
-use fmc_camera::geometry::frame_correction::FrameCorrection;
+use fmc_camera::geometry::camera_grids::CameraGrids;
+use fmc_camera::geometry::gridded_correction::GriddedCorrection;
 use fmc_camera::geometry::principal_distance::FocusSign;
 use fmc_camera::geometry::principal_point::PrincipalPointMotion;
 use fmc_camera::geometry::sensor::SensorPoint;
@@ -20,8 +22,8 @@ use crate::failure::{Failure, note};
 
 /// The exposure of a frame.
 #[derive(Debug, Clone)]
-pub(super) struct FrameExposure {
-    pub(super) correction: FrameCorrection,
+pub(super) struct FrameExposure<'a> {
+    pub(super) correction: GriddedCorrection<'a>,
     /// Centroid principal point, sensor frame, mm: (x0, y0) + c̄·e.
     pub(super) principal_point_mm: [f64; 2],
     pub(super) record: RecordedExposure,
@@ -51,19 +53,20 @@ pub(super) struct RecordedExposure {
 
 /// Exposures by their sequence numbers.
 #[derive(Debug)]
-pub(super) enum Exposures {
+pub(super) enum Exposures<'a> {
     /// The records of a flight.
     Records {
         table: FrameTable,
-        camera: Box<FrameCamera>,
+        camera: &'a FrameCamera,
+        grids: Box<CameraGrids<'a>>,
         /// Name of their file in messages.
         name: String,
     },
     /// The exposure of the options.
-    Options(Box<FrameExposure>),
+    Options(Box<FrameExposure<'a>>),
 }
 
-impl Exposures {
+impl<'a> Exposures<'a> {
     /// Reads the records, or computes the exposure of the options.
     ///
     /// # Errors
@@ -71,15 +74,18 @@ impl Exposures {
     pub(super) fn read(
         args: &RectifyArgs,
         file: &CameraFile,
-        camera: FrameCamera,
+        camera: &'a FrameCamera,
     ) -> Result<Self, Failure> {
+        let grids = camera.grids()?;
         match &args.records {
-            None => Ok(Self::Options(Box::new(of_options(args, file)?))),
+            None => Ok(Self::Options(Box::new(of_options(
+                args, file, camera, &grids,
+            )?))),
             Some(path) => {
                 let mut without_crc = 0_u32;
                 let table = FrameTable::collect(|each| {
                     frame_file::with_bar(path, true, |name, source| {
-                        records::read_from(name, source, &camera, |frame| {
+                        records::read_from(name, source, camera, |frame| {
                             let names_none = frame.calibration_crc.is_none();
                             without_crc += u32::from(names_none && frame.exposed().is_some());
                             each(frame)
@@ -95,7 +101,8 @@ impl Exposures {
                 }
                 Ok(Self::Records {
                     table,
-                    camera: Box::new(camera),
+                    camera,
+                    grids: Box::new(grids),
                     name: path.display().to_string(),
                 })
             }
@@ -107,7 +114,11 @@ impl Exposures {
     /// # Errors
     /// [`Failure`] naming the frame, for a record that is missing or that of a refused trigger, and
     /// for a principal point off the sensor.
-    pub(super) fn of(&self, task: &FrameTask, file: &CameraFile) -> Result<FrameExposure, Failure> {
+    pub(super) fn of(
+        &self,
+        task: &FrameTask,
+        file: &CameraFile,
+    ) -> Result<FrameExposure<'a>, Failure> {
         let exposure = self.find(task, file)?;
         let ([x, y], [half_x, half_y]) = (exposure.principal_point_mm, file.half_format_mm());
         if x.abs() > half_x || y.abs() > half_y {
@@ -119,14 +130,15 @@ impl Exposures {
         Ok(exposure)
     }
 
-    fn find(&self, task: &FrameTask, file: &CameraFile) -> Result<FrameExposure, Failure> {
-        let (table, camera, name) = match self {
+    fn find(&self, task: &FrameTask, file: &CameraFile) -> Result<FrameExposure<'a>, Failure> {
+        let (table, camera, grids, name) = match self {
             Self::Options(exposure) => return Ok((**exposure).clone()),
             Self::Records {
                 table,
                 camera,
+                grids,
                 name,
-            } => (table, camera, name),
+            } => (table, camera, grids, name),
         };
         let sequence = task.sequence.unwrap_or_default();
         let refused = |fault: String| Failure::bad_input(format!("{}: {fault}", task.name));
@@ -140,7 +152,7 @@ impl Exposures {
             )));
         }
         let correction = row
-            .correction(camera.calibration())
+            .gridded(camera.calibration(), grids)
             .ok_or_else(|| refused(format!("record {sequence}: the camera has no [fitted]")))?;
         Ok(FrameExposure {
             correction,
@@ -151,12 +163,16 @@ impl Exposures {
 }
 
 /// Returns the exposure of the options.
-fn of_options(args: &RectifyArgs, file: &CameraFile) -> Result<FrameExposure, Failure> {
+fn of_options<'a>(
+    args: &RectifyArgs,
+    file: &CameraFile,
+    camera: &FrameCamera,
+    grids: &CameraGrids<'a>,
+) -> Result<FrameExposure<'a>, Failure> {
     let request = &args.exposure;
     let exposure = request.exposure();
-    let camera = Camera::new(file.parameters())
-        .map_err(|error| request.refused(file, &DeviceError::Calibration(error)))?;
     let frame = camera
+        .camera()
         .frame(&exposure)
         .map_err(|error| request.refused(file, &DeviceError::Frame(error)))?;
     let interior = &frame.interior;
@@ -165,8 +181,8 @@ fn of_options(args: &RectifyArgs, file: &CameraFile) -> Result<FrameExposure, Fa
         FocusSignName::Printed => FocusSign::Printed,
     };
     Ok(FrameExposure {
-        correction: frame.correction,
-        principal_point_mm: principal_point_mm(file, &camera, &interior.motion),
+        correction: GriddedFrame::new(&frame, grids).correction,
+        principal_point_mm: principal_point_mm(file, camera.camera(), &interior.motion),
         record: RecordedExposure::of_interior(interior, sign),
     })
 }

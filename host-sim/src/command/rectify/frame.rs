@@ -14,7 +14,7 @@ use super::frame_flow::{self, FlowResult, FrameFlow};
 use super::options::Options;
 use super::progress::Progress;
 use super::request;
-use super::sidecar::{Accuracy, CameraName, Input, Interior, Output, Sidecar};
+use super::sidecar::{Accuracy, CameraName, FileState, Input, Interior, Output, Sidecar};
 use super::task::FrameTask;
 use crate::cli::RectifyArgs;
 use crate::failure::Failure;
@@ -72,7 +72,7 @@ impl<'a> FrameRectifier<'a> {
     pub(super) fn block_size(
         &self,
         tasks: &[FrameTask],
-        exposures: &Exposures,
+        exposures: &Exposures<'_>,
     ) -> Result<[u32; 2], Failure> {
         let sides: fn(u32, u32) -> u32 = match self.request.window {
             Window::Inside => u32::min,
@@ -104,9 +104,9 @@ impl<'a> FrameRectifier<'a> {
         }
     }
 
-    fn size_px(&self, task: &FrameTask, exposure: &FrameExposure) -> Result<[u32; 2], Failure> {
+    fn size_px(&self, task: &FrameTask, exposure: &FrameExposure<'_>) -> Result<[u32; 2], Failure> {
         let principal_point = principal_point(exposure);
-        Rectification::size_px(&exposure.correction, principal_point, &self.request)
+        Rectification::size_px(exposure.correction, principal_point, &self.request)
             .map_err(|error| Failure::bad_input(format!("{}: {error}", task.name)))
     }
 
@@ -117,13 +117,13 @@ impl<'a> FrameRectifier<'a> {
     pub(super) fn rectify(
         &self,
         task: &FrameTask,
-        exposure: &FrameExposure,
+        exposure: &FrameExposure<'_>,
         size_px: [u32; 2],
         folder: &OutputFolder,
         progress: &Progress,
     ) -> Result<Rectified, Failure> {
         let reading = |error: &io::Error| Failure::reading(&task.path, error);
-        let input = Input::of(&task.path).map_err(|error| reading(&error))?;
+        let state = FileState::of(&task.path).map_err(|error| reading(&error))?;
         if fs::metadata(&task.path).is_ok_and(|it| !it.is_file() && !it.is_dir()) {
             return Err(Failure::bad_input(format!(
                 "{}: a frame must be a file",
@@ -133,6 +133,7 @@ impl<'a> FrameRectifier<'a> {
         let reader = FrameReader::open(&task.path)
             .map_err(|error| frame_flow::read_failure(&task.path, error))?;
         let header = reader.header().clone();
+        let description_crc = reader.description_crc();
         self.check_size(task, &header)?;
         let request = Request {
             window: Window::Size(size_px),
@@ -141,7 +142,7 @@ impl<'a> FrameRectifier<'a> {
         let bad_input =
             |fault: &dyn std::fmt::Display| Failure::bad_input(format!("{}: {fault}", task.name));
         let rectification =
-            Rectification::new(&exposure.correction, principal_point(exposure), &request)
+            Rectification::new(exposure.correction, principal_point(exposure), &request)
                 .map_err(|error| bad_input(&error))?;
         let plan =
             FramePlan::new(&header, size_px, &self.layout).map_err(|error| bad_input(&error))?;
@@ -152,6 +153,7 @@ impl<'a> FrameRectifier<'a> {
             task,
             rectification: &rectification,
             header: &header,
+            layout: &self.layout,
             plan,
             tags: TagOptions {
                 keep_georeference: request.centre == Centre::Frame
@@ -179,7 +181,7 @@ impl<'a> FrameRectifier<'a> {
             .metadata()
             .map_err(|error| writing(&error))?
             .len();
-        if Input::of(&task.path).ok().as_ref() != Some(&input) {
+        if FileState::of(&task.path).ok() != Some(state) {
             return Err(Failure::device_or_io(format!(
                 "{}: the file changed while it was read",
                 task.path.display()
@@ -187,8 +189,12 @@ impl<'a> FrameRectifier<'a> {
         }
         let sidecar = Sidecar {
             version: super::VERSION.to_owned(),
-            input,
-            input_pixels_crc32: format!("{:08x}", done.input_crc),
+            input: Input {
+                file: task.file_name(),
+                bytes: state.bytes,
+                description_crc32: format!("{description_crc:08x}"),
+                pixels_crc32: format!("{:08x}", done.input_crc),
+            },
             camera: self.camera.clone(),
             record: exposure.record.clone(),
             options: self.options.clone(),
@@ -210,6 +216,7 @@ impl<'a> FrameRectifier<'a> {
         }
         part.complete().map_err(|error| writing(&error))?;
         folder.write_json(&sidecar_name, &sidecar)?;
+        state.mark(&sidecar_path);
         Ok(Rectified {
             sidecar,
             notes: done.notes,
@@ -233,7 +240,7 @@ impl<'a> FrameRectifier<'a> {
         )))
     }
 
-    fn interior(&self, exposure: &FrameExposure, size_px: [u32; 2]) -> Interior {
+    fn interior(&self, exposure: &FrameExposure<'_>, size_px: [u32; 2]) -> Interior {
         let pixel_mm = self.file.sensor.pixel_um / 1000.0;
         let [x, y] = match self.request.centre {
             Centre::PrincipalPoint => [0.0; 2],
@@ -252,7 +259,7 @@ impl<'a> FrameRectifier<'a> {
     }
 }
 
-fn principal_point(exposure: &FrameExposure) -> SensorPoint {
+fn principal_point(exposure: &FrameExposure<'_>) -> SensorPoint {
     let [x, y] = exposure.principal_point_mm.map(single);
     SensorPoint::new(x, y)
 }

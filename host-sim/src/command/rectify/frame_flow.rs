@@ -6,8 +6,8 @@ use std::path::Path;
 
 use fmc_camera_file::InputError;
 use fmc_raster::{
-    ChunkEncoder, FramePlan, FrameReader, FrameWriter, Header, Mask, PixelCrc, ReadError,
-    TagOptions, TiffFile, WriteError,
+    ChunkEncoder, Chunks, FramePlan, FrameReader, FrameWriter, Header, Mask, PixelCrc, PlanOptions,
+    ReadError, TagOptions, TiffFile, WriteError,
 };
 use fmc_rectification::Rectification;
 use fmc_rectification::streaming::{RowSink, RowSource, StreamError, stream};
@@ -21,6 +21,7 @@ pub(super) struct FrameFlow<'a> {
     pub(super) task: &'a FrameTask,
     pub(super) rectification: &'a Rectification,
     pub(super) header: &'a Header,
+    pub(super) layout: &'a PlanOptions,
     pub(super) plan: FramePlan,
     pub(super) tags: TagOptions,
     pub(super) mask: bool,
@@ -69,6 +70,14 @@ impl FrameFlow<'_> {
         let mut notes: Vec<String> = Vec::new();
         if self.header.is_one_strip() {
             notes.push("one strip holds the whole frame; it is read row by row".to_owned());
+        }
+        let asked = self.layout.chunks.is_some();
+        if let (Chunks::Tiles { .. }, Chunks::Strips { rows }, false) =
+            (self.header.chunks, plan.chunks(), asked)
+        {
+            notes.push(format!(
+                "its tiles are too large to be held; strips of {rows} rows are written"
+            ));
         }
         for dropped in tags.dropped() {
             notes.push(format!("{} is left out: {}", dropped.name, dropped.why));

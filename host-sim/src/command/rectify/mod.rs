@@ -8,6 +8,7 @@ mod manifest;
 mod notes;
 mod options;
 mod progress;
+mod recorded_frame;
 mod rectified_camera;
 mod request;
 mod sidecar;

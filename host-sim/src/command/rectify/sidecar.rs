@@ -3,7 +3,7 @@
 use std::fs;
 use std::io;
 use std::path::Path;
-use std::time::UNIX_EPOCH;
+use std::time::SystemTime;
 
 use serde::{Deserialize, Serialize};
 
@@ -12,14 +12,13 @@ use super::options::Options;
 
 /// Content of the JSON file beside a rectified frame.
 ///
-/// It depends on frame, record, camera, options and version alone.
+/// It depends on frame, record, camera, options and version alone. The time of its file's last
+/// change is that of the frame's.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct Sidecar {
     /// Version of the program.
     pub(super) version: String,
     pub(super) input: Input,
-    /// CRC-32 of the samples, in the order of rows, pixels and bands, low byte first.
-    pub(super) input_pixels_crc32: String,
     pub(super) camera: CameraName,
     pub(super) record: RecordedExposure,
     pub(super) options: Options,
@@ -31,24 +30,43 @@ pub(super) struct Sidecar {
 /// The frame as the camera recorded it.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct Input {
-    file: String,
-    bytes: u64,
-    /// Time of the last change, ns since 1970.
-    modified_unix_ns: Option<u64>,
+    pub(super) file: String,
+    pub(super) bytes: u64,
+    /// CRC-32 of layout and tags.
+    pub(super) description_crc32: String,
+    /// CRC-32 of the samples, in the order of rows, pixels and bands, low byte first.
+    pub(super) pixels_crc32: String,
 }
 
-impl Input {
-    /// Describes a file; its name is that in its folder.
+/// Length of a file and the time of its last change, by which a change is noticed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct FileState {
+    pub(super) bytes: u64,
+    changed: Option<SystemTime>,
+}
+
+impl FileState {
     pub(super) fn of(path: &Path) -> io::Result<Self> {
         let metadata = fs::metadata(path)?;
-        let modified = metadata.modified().ok();
-        let since_1970 = modified.and_then(|time| time.duration_since(UNIX_EPOCH).ok());
-        let name = path.file_name().unwrap_or_default();
         Ok(Self {
-            file: name.to_string_lossy().into_owned(),
             bytes: metadata.len(),
-            modified_unix_ns: since_1970.and_then(|time| u64::try_from(time.as_nanos()).ok()),
+            changed: metadata.modified().ok(),
         })
+    }
+
+    /// Gives a file the time of the last change. It stays as it is where the file system refuses.
+    pub(super) fn mark(&self, path: &Path) {
+        if let Some(changed) = self.changed
+            && let Ok(file) = fs::File::options().write(true).open(path)
+        {
+            let _ = file.set_modified(changed);
+        }
+    }
+
+    /// Returns true if a file has the time of the last change.
+    pub(super) fn has_marked(&self, path: &Path) -> bool {
+        let marked = fs::metadata(path).and_then(|metadata| metadata.modified());
+        self.changed.is_some() && marked.ok() == self.changed
     }
 }
 

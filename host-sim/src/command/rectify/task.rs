@@ -129,6 +129,12 @@ impl FrameTask {
             .collect()
     }
 
+    /// Name of the recorded image in its folder.
+    pub(super) fn file_name(&self) -> String {
+        let name = self.path.file_name().unwrap_or_default();
+        name.to_string_lossy().into_owned()
+    }
+
     /// Name of the rectified image.
     pub(super) fn image_name(&self) -> String {
         format!("{}.tif", self.stem)

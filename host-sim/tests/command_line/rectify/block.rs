@@ -5,7 +5,7 @@ use std::fs;
 use std::path::Path;
 use std::process::Stdio;
 use std::thread;
-use std::time::Duration;
+use std::time::{Duration, SystemTime};
 
 use super::scene::{EXPOSED, TILED, read, scene, write};
 use crate::command_line::frames::flight::{Flight, REFUSED};
@@ -188,6 +188,50 @@ fn resumed_block_does_what_has_changed() {
     let after = [modified("f1.tif"), modified("f2.tif")];
     assert_eq!(before[0], after[0]);
     assert!(before[1] < after[1]);
+}
+
+/// Sets the time of a file's last change to a day ago, as a copy has another one than its original.
+fn age(path: &Path) {
+    let file = fs::File::options().write(true).open(path).unwrap();
+    let yesterday = SystemTime::now() - Duration::from_hours(24);
+    file.set_modified(yesterday).unwrap();
+}
+
+#[test]
+fn copies_of_frames_have_the_same_bytes_and_are_not_done_again() {
+    let flight = scene();
+    run(&flight, "out", &[]);
+    let before = contents(&flight.bench.path("out"));
+    for number in 1..=8 {
+        age(&flight.bench.path(&format!("f{number}.tif")));
+    }
+    let stderr = run(&flight, "out", &["--resume"]);
+    let finished = "0 rectified, 7 finished before, 1 failed";
+    assert!(stderr.contains(finished), "{stderr}");
+    run(&flight, "other", &[]);
+    for out in ["out", "other"] {
+        assert_eq!(before, contents(&flight.bench.path(out)), "{out}");
+    }
+    // Another frame of the same length and age is no copy: one pixel differs, or a tag.
+    for name in ["f1.tif", "f2.tif"] {
+        let path = flight.bench.path(name);
+        let mut bytes = fs::read(&path).unwrap();
+        if name == "f1.tif" {
+            // Within the only strip, which is 132,000 bytes of the file.
+            bytes[60_000] ^= 1;
+        } else {
+            // The numerator of XResolution (282), a fraction at the place that its entry names.
+            let entry = [0x1a, 1, 5, 0, 1, 0, 0, 0];
+            let place = bytes.windows(8).position(|w| w == entry).unwrap() + 8;
+            let place = u32::from_le_bytes(bytes[place..place + 4].try_into().unwrap());
+            bytes[place as usize] ^= 1;
+        }
+        fs::write(&path, bytes).unwrap();
+        age(&path);
+    }
+    let stderr = run(&flight, "out", &["--resume"]);
+    let finished = "2 rectified, 5 finished before, 1 failed";
+    assert!(stderr.contains(finished), "{stderr}");
 }
 
 #[test]

@@ -78,6 +78,59 @@ fn peak_mb(bench: &Bench, arguments: &[&str]) -> f64 {
     peak_kb * 1024.0 / 1e6
 }
 
+/// Writes a frame whose pixels are one uncompressed tile, as the crates of this project do not.
+fn write_one_tile(path: &Path) {
+    let [width, height] = [14_208_u32, SIZE_PX[1]];
+    let pixels = u64::from(width) * u64::from(height) * 6;
+    let shorts = |tag: u16, value: u32| (tag, 3_u16, 1_u32, value);
+    let longs = |tag: u16, value: u32| (tag, 4_u16, 1_u32, value);
+    let entries = [
+        longs(256, SIZE_PX[0]),
+        longs(257, SIZE_PX[1]),
+        (258, 3, 3, 8),
+        shorts(259, 1),
+        shorts(262, 2),
+        shorts(277, 3),
+        longs(322, width),
+        longs(323, height),
+        longs(324, 512),
+        longs(325, u32::try_from(pixels).unwrap()),
+    ];
+    let mut file = BufWriter::new(File::create(path).unwrap());
+    let mut head = b"II*\0".to_vec();
+    head.extend(16_u32.to_le_bytes());
+    // Bits of the samples, then the directory.
+    head.extend([16_u16; 4].map(u16::to_le_bytes).concat());
+    head.extend(u16::try_from(entries.len()).unwrap().to_le_bytes());
+    for (tag, value_type, count, value) in entries {
+        head.extend(tag.to_le_bytes());
+        head.extend(value_type.to_le_bytes());
+        head.extend(count.to_le_bytes());
+        head.extend(value.to_le_bytes());
+    }
+    head.resize(512, 0);
+    file.write_all(&head).unwrap();
+    let row: Vec<u8> = (0..=u8::MAX).cycle().take(6 * width as usize).collect();
+    for _ in 0..height {
+        file.write_all(&row).unwrap();
+    }
+    file.flush().unwrap();
+}
+
+#[test]
+fn a_frame_in_one_tile_takes_no_more_memory_than_strips() {
+    let bench = Bench::with(CAMERA, b"");
+    write_one_tile(&bench.path("one.tif"));
+    let exposure = ["rectify", "--camera", "camera.toml", "--vh", "0.1"];
+    let more = ["--exposure", "1/200", "--out", "out", "one.tif"];
+    let arguments = [&exposure[..], &more].concat();
+    let peak = peak_mb(&bench, &arguments);
+    assert!(peak > 10.0 && peak < 100.0, "{peak} MB");
+    let answer = bench.run(&arguments);
+    let said = "one.tif: its tiles are too large to be held; strips of 64 rows are written";
+    assert!(answer.stderr.contains(said), "{}", answer.stderr);
+}
+
 #[test]
 fn rows_of_strips_take_100_mb_and_rows_of_tiles_250() {
     let tile = |px| Chunks::Tiles {

@@ -3,6 +3,7 @@
 pub mod distortion_table;
 mod homography;
 pub mod interpolation;
+mod leftover;
 mod outcome;
 pub mod request;
 

@@ -59,3 +59,13 @@ pub struct OfMethod {
     /// Further files by name.
     pub files: Vec<(String, Vec<u8>)>,
 }
+
+impl OfMethod {
+    /// Adds the content of another method that goes on from this one.
+    pub fn join(&mut self, mut other: Self) {
+        self.summary.append(&mut other.summary);
+        self.tables.append(&mut other.tables);
+        self.figures.append(&mut other.figures);
+        self.files.append(&mut other.files);
+    }
+}
