@@ -82,17 +82,17 @@ pub(super) fn run(args: &ImportArgs) -> Result<(), Failure> {
     let mut text = written(None)?;
     let (mut camera, _) = CameraFile::parse(&out, &text)?;
     super::warn_of_distortion(&args.out, &camera);
-    let grid = match args.grid {
-        true => GridOfImport::of(&file, &imported, &camera, &args.out)?,
-        false => None,
+    let grid = if args.grid {
+        GridOfImport::of(&file, &imported, &camera, &args.out)?
+    } else {
+        None
     };
     if let Some(grid) = &grid {
         text = grid.named_by(&out, &written(Some(grid))?)?;
         let beside = args.out.with_file_name(&grid.statement.file);
-        for input in [Some(&args.file), args.base.as_ref(), args.report.as_ref()] {
-            if let Some(input) = input {
-                output::check_not_an_input(&beside, input)?;
-            }
+        let others = [Some(&args.file), args.base.as_ref(), args.report.as_ref()];
+        for other in others.into_iter().flatten() {
+            output::check_not_an_input(&beside, other)?;
         }
         output::write(Some(&beside), |sink| sink.write_all(&grid.bytes))?;
     }

@@ -75,7 +75,7 @@ const PITCH_MM: f64 = 0.004;
 const FOCAL_PX: [f64; 2] = [9000.0, 9001.5];
 const CENTRE_PX: [f64; 2] = [4010.5, 2985.25];
 
-/// OpenCV's formula with denominator, decentring and thin prism, as its documentation has it.
+/// Formula of `OpenCV` with denominator, decentring and thin prism, as its documentation has it.
 fn opencv_pixel([x, y]: [f64; 2]) -> [f64; 2] {
     let r2 = x * x + y * y;
     let radial = (1.0 + r2 * (-0.09 + r2 * (0.06 + r2 * -0.02)))
@@ -117,15 +117,15 @@ fn camera_with_an_imported_grid_corrects_as_the_program_does_within_5_nm() {
     let mut expected = Vec::new();
     for (i, j) in (-5..=5).flat_map(|i| (-5..=5).map(move |j| (i, j))) {
         let ray = [0.082 * f64::from(i), 0.062 * f64::from(j)];
-        let [u, v] = opencv_pixel(ray);
-        let x = (u - 0.5 * (WIDTH_PX - 1.0)) * PITCH_MM;
-        let y = (0.5 * (HEIGHT_PX - 1.0) - v) * PITCH_MM;
+        let [column, row] = opencv_pixel(ray);
+        let x = (column - 0.5 * (WIDTH_PX - 1.0)) * PITCH_MM;
+        let y = (0.5 * (HEIGHT_PX - 1.0) - row) * PITCH_MM;
         assert!(x.abs() <= 16.0 && y.abs() <= 12.0, "({x}, {y}) mm");
         writeln!(points, "{i}/{j},{x:.9},{y:.9}").unwrap();
-        let f = FOCAL_PX[1] * PITCH_MM;
+        let focal = FOCAL_PX[1] * PITCH_MM;
         let x0 = (CENTRE_PX[0] - 0.5 * (WIDTH_PX - 1.0)) * PITCH_MM;
         let y0 = (0.5 * (HEIGHT_PX - 1.0) - CENTRE_PX[1]) * PITCH_MM;
-        expected.push([x - x0 - f * ray[0], y - y0 + f * ray[1]]);
+        expected.push([x - x0 - focal * ray[0], y - y0 + focal * ray[1]]);
     }
     fs::write(bench.path("points.csv"), points).unwrap();
     let exposure = [
