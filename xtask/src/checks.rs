@@ -7,7 +7,7 @@ use anyhow::Result;
 use clap::ValueEnum;
 
 use crate::{
-    CHECK_FAILED, NOT_STARTED, bench, board,
+    CHECK_FAILED, NOT_STARTED, bench, board, c,
     equipment::{Equipment, Need},
     exchange,
     firmware::{self, Image},
@@ -63,6 +63,8 @@ pub(crate) enum Step {
     Firmware,
     /// Lint and build the image for the board, and check which functions in it can panic
     Board,
+    /// Build the library for C, and run its programs on this PC and in QEMU
+    C,
     /// Compare instructions, image sizes and stack with the tables in docs
     Costs,
 }
@@ -94,7 +96,7 @@ impl Step {
                 &[Need::Compiler, Need::Clippy]
             }
             Self::TargetBuild | Self::NoPanic | Self::FirmwareNoPanic => &[Need::Compiler],
-            Self::Firmware | Self::Costs => &[Need::Compiler, Need::Qemu],
+            Self::Firmware | Self::C | Self::Costs => &[Need::Compiler, Need::Qemu],
         }
     }
 }
@@ -180,6 +182,10 @@ fn run_step(step: Step, workspace: &Workspace, equipment: &Equipment<'_>) -> Res
             return firmware::test(workspace, target()?, emulator);
         }
         Step::Board => return board::check(workspace, target()?),
+        Step::C => {
+            let target = target()?;
+            return c::check(workspace, target, equipment.emulator()?, equipment.toolbox());
+        }
         Step::Costs => {
             let targets = equipment.targets()?;
             return bench::check(workspace, targets, equipment.emulator()?, equipment.toolbox());

@@ -9,6 +9,7 @@
 mod aarch64;
 mod bench;
 mod board;
+mod c;
 mod checks;
 mod cores;
 mod emulator;
@@ -76,6 +77,15 @@ enum Command {
     /// the target directory, and its compiler, if the active one has no library for the target
     /// (rustup target add aarch64-unknown-linux-gnu).
     Aarch64,
+    /// Build the C library into target/c, and run its example in QEMU and on this PC
+    ///
+    /// The library for Cortex-M4F and M7, for the same without floating point, for Cortex-M33 and
+    /// for this PC, the header, and files for pkg-config, `CMake` and Zephyr.
+    C {
+        /// Write the sizes to docs/footprint.csv
+        #[arg(long)]
+        update: bool,
+    },
     /// Check formatting, lints, documentation and tests
     ///
     /// On the host: formatting, lints, documentation and tests. For the target: lints, builds, and
@@ -117,6 +127,10 @@ fn main() -> ExitCode {
         Command::Aarch64 => (
             Workspace::new().and_then(|workspace| aarch64::run(&workspace)),
             CHECK_FAILED,
+        ),
+        Command::C { update } => (
+            Workspace::new().and_then(|workspace| c::run(&workspace, update)),
+            NOT_STARTED,
         ),
         Command::Test { only, among_others } => (
             Workspace::new().and_then(|workspace| {

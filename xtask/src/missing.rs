@@ -104,14 +104,18 @@ fn remedy(tool: Tool, system: &System) -> String {
             Tool::Compiler | Tool::Linker | Tool::Clippy => {
                 return "rustup target add thumbv7em-none-eabihf".to_owned();
             }
-            Tool::Qemu | Tool::Llvm | Tool::Pip | Tool::Aarch64 => {}
+            Tool::Qemu | Tool::Llvm | Tool::Pip | Tool::Aarch64 | Tool::ArmGcc | Tool::Cppcheck => {
+            }
         }
     }
     // A Rust that is not a distribution's comes with everything that a target needs.
     let rustup = |install: &str| format!("{install} rustup");
     match (system.family, tool) {
         (Family::Debian, _) => format!("sudo apt-get install {}", tool.packages().join(" ")),
-        (Family::Ubuntu, Tool::Qemu | Tool::Llvm | Tool::Pip | Tool::Aarch64) => {
+        (
+            Family::Ubuntu,
+            Tool::Qemu | Tool::Llvm | Tool::Pip | Tool::Aarch64 | Tool::ArmGcc | Tool::Cppcheck,
+        ) => {
             format!("sudo apt-get install {}", tool.packages().join(" "))
         }
         // Ubuntu has none of Debian's packages of a compiler for browsers.
@@ -125,20 +129,34 @@ fn remedy(tool: Tool, system: &System) -> String {
         (Family::Fedora, Tool::Qemu) => "sudo dnf install qemu-system-arm".to_owned(),
         (Family::Fedora, Tool::Llvm) => "sudo dnf install llvm".to_owned(),
         (Family::Fedora, Tool::Pip) => "sudo dnf install python3-pip".to_owned(),
+        (Family::Fedora, Tool::ArmGcc) => {
+            "sudo dnf install arm-none-eabi-gcc arm-none-eabi-newlib".to_owned()
+        }
+        (Family::Fedora, Tool::Cppcheck) => "sudo dnf install cppcheck".to_owned(),
         (Family::Fedora, _) => rustup("sudo dnf install"),
         (Family::Arch, Tool::Qemu) => "sudo pacman -S qemu-system-arm".to_owned(),
         (Family::Arch, Tool::Llvm) => "sudo pacman -S llvm".to_owned(),
         (Family::Arch, Tool::Pip) => "sudo pacman -S python-pip".to_owned(),
+        (Family::Arch, Tool::ArmGcc) => {
+            "sudo pacman -S arm-none-eabi-gcc arm-none-eabi-newlib".to_owned()
+        }
+        (Family::Arch, Tool::Cppcheck) => "sudo pacman -S cppcheck".to_owned(),
         (Family::Arch, _) => rustup("sudo pacman -S"),
         (Family::MacOs, Tool::Qemu) => "brew install qemu".to_owned(),
         (Family::MacOs, Tool::Llvm) => "brew install llvm".to_owned(),
         (Family::MacOs, Tool::Pip) => "brew install python".to_owned(),
+        (Family::MacOs, Tool::ArmGcc) => "brew install gcc-arm-embedded".to_owned(),
+        (Family::MacOs, Tool::Cppcheck) => "brew install cppcheck".to_owned(),
         (Family::MacOs, _) => rustup("brew install"),
         (Family::Windows, Tool::Qemu) => {
             "winget install --id SoftwareFreedomConservancy.QEMU".to_owned()
         }
         (Family::Windows, Tool::Llvm) => "winget install --id LLVM.LLVM".to_owned(),
         (Family::Windows, Tool::Pip) => "winget install --id Python.Python.3.13".to_owned(),
+        (Family::Windows, Tool::ArmGcc) => {
+            "winget install --id Arm.GnuArmEmbeddedToolchain".to_owned()
+        }
+        (Family::Windows, Tool::Cppcheck) => "winget install --id Cppcheck.Cppcheck".to_owned(),
         (Family::Windows, _) => "winget install --id Rustlang.Rustup".to_owned(),
         (Family::Other, Tool::Qemu) => {
             "put qemu-system-arm, 7.2 or later, on the search path".to_owned()
@@ -147,6 +165,8 @@ fn remedy(tool: Tool, system: &System) -> String {
         (Family::Other, Tool::Pip) => {
             "put python3, 3.11 or later, with pip on the search path".to_owned()
         }
+        (Family::Other, Tool::ArmGcc) => "put arm-none-eabi-gcc on the search path".to_owned(),
+        (Family::Other, Tool::Cppcheck) => "put cppcheck on the search path".to_owned(),
         (Family::Other, _) => "rustup target add thumbv7em-none-eabihf".to_owned(),
     }
 }

@@ -10,7 +10,7 @@ use crate::{target::Target, workspace::Workspace};
 
 /// Undefined symbol behind the panic handlers of `tests/no-panic` and, for this check, of the
 /// firmware.
-const PANIC_SYMBOL: &str = "fmc_camera_can_panic";
+pub(crate) const PANIC_SYMBOL: &str = "fmc_camera_can_panic";
 
 /// Modules of the library, each with a separate list in `tests/no-panic/src`.
 const AREAS: [&str; 3] = ["geometry", "flight", "io"];

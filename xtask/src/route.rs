@@ -18,6 +18,10 @@ use crate::tools::Tool;
 pub(crate) enum Architecture {
     /// Armv7E-M with hardware floating point: Cortex-M4F and M7, the firmware's target.
     Armv7em,
+    /// Armv7E-M with floating point in software, for the C library.
+    Armv7emSoft,
+    /// Armv8-M with hardware floating point: Cortex-M33, for the C library.
+    Armv8m,
     /// Armv8.1-M with vectors of four numbers (Helium): Cortex-M55.
     Helium,
 }
@@ -27,14 +31,15 @@ impl Architecture {
     pub(crate) fn target(self) -> &'static str {
         match self {
             Self::Armv7em => "thumbv7em-none-eabihf",
-            Self::Helium => "thumbv8m.main-none-eabihf",
+            Self::Armv7emSoft => "thumbv7em-none-eabi",
+            Self::Armv8m | Self::Helium => "thumbv8m.main-none-eabihf",
         }
     }
 
     /// Returns the processor to compile for, if the target's name does not determine it.
     pub(crate) fn processor(self) -> Option<&'static str> {
         match self {
-            Self::Armv7em => None,
+            Self::Armv7em | Self::Armv7emSoft | Self::Armv8m => None,
             Self::Helium => Some("cortex-m55"),
         }
     }

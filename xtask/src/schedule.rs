@@ -42,6 +42,7 @@ const LANES: [&[Step]; 2] = [
         Step::FirmwareLints,
         Step::FirmwareNoPanic,
         Step::Board,
+        Step::C,
         Step::Firmware,
         Step::Costs,
     ],

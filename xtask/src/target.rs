@@ -49,21 +49,11 @@ impl<'a> Targets<'a> {
         lints: Lints,
     ) -> Result<Self> {
         let armv7em = Target::set_up(workspace, toolbox, lints)?;
-        let architecture = Architecture::Helium;
-        let machine = Machine::look(&workspace.shell, toolbox, architecture)?;
-        let plan = route::plan(machine.facts);
-        let lack = plan.fetch.iter().find(|tool| **tool != Tool::Clippy);
-        let helium = if let Some(tool) = lack {
-            let target = architecture.target();
-            eprintln!(
-                "{NOT_CHECKED}Cortex-M55, for which nothing is built or counted: no {tool}; to mend it: rustup target add {target}"
-            );
-            None
-        } else {
-            let target = Target::new(workspace, toolbox, architecture, &plan, machine);
-            workspace.tell(&target.description()?);
-            Some(target)
-        };
+        let helium = Target::without_fetching(workspace, toolbox, Architecture::Helium)?
+            .inspect_err(|lack| {
+                eprintln!("{NOT_CHECKED}Cortex-M55, for which nothing is built or counted: {lack}");
+            })
+            .ok();
         Ok(Self { armv7em, helium })
     }
 
@@ -72,6 +62,7 @@ impl<'a> Targets<'a> {
         match architecture {
             Architecture::Armv7em => Some(&self.armv7em),
             Architecture::Helium => self.helium.as_ref(),
+            Architecture::Armv7emSoft | Architecture::Armv8m => None,
         }
     }
 }
@@ -163,6 +154,30 @@ impl<'a> Target<'a> {
         };
         workspace.tell(&target.description()?);
         Ok(target)
+    }
+
+    /// Sets up a further target if no tool has to be fetched for it, and prints in one line what
+    /// will be used; returns what is missing otherwise.
+    ///
+    /// # Errors
+    /// An error if the compiler does not answer.
+    pub(crate) fn without_fetching(
+        workspace: &'a Workspace,
+        toolbox: &Toolbox<'_>,
+        architecture: Architecture,
+    ) -> Result<Result<Self, String>> {
+        let machine = Machine::look(&workspace.shell, toolbox, architecture)?;
+        let plan = route::plan(machine.facts);
+        let lack = plan.fetch.iter().find(|tool| **tool != Tool::Clippy);
+        if let Some(tool) = lack {
+            let target = architecture.target();
+            return Ok(Err(format!(
+                "no {tool}; to mend it: rustup target add {target}"
+            )));
+        }
+        let target = Self::new(workspace, toolbox, architecture, &plan, machine);
+        workspace.tell(&target.description()?);
+        Ok(Ok(target))
     }
 
     /// Creates the commands of a plan on a machine.

@@ -99,6 +99,7 @@ fn block(images: usize, points_per_image: usize) -> Network {
                     y + SIGMA_MM * normal(&mut random),
                 ],
                 sigma_mm: SIGMA_MM,
+                additional: None,
                 accepted: true,
             });
         }
@@ -154,6 +155,7 @@ fn network(
         images,
         points,
         image_points,
+        additional: Vec::new(),
         scale_bars: Vec::new(),
         strips: Vec::new(),
         parameters: SharedValues::new(

@@ -20,7 +20,6 @@ pub mod grid;
 pub mod interior_orientation;
 pub mod linear;
 pub mod model;
-pub mod normal_equations;
 pub mod observation;
 pub mod separability;
 pub mod statistics;

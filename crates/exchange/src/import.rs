@@ -19,6 +19,10 @@ use crate::source::Source;
 /// Points along each side of the grid to which the coefficients are fitted.
 pub const GRID: u32 = 61;
 
+/// Points along each side of the sensor at which polynomial and residual grid are compared with the
+/// file's formula: other points than those of a fit.
+pub const COMPARED: u32 = 101;
+
 /// Part by which a pixel pitch may differ from the file's, which is rounded.
 const PITCH_TOLERANCE: f64 = 1e-4;
 
@@ -106,19 +110,11 @@ pub fn import(
         beyond_mm: [[0.0; 2]; 2],
         residual: ResidualSplines::default(),
     };
-    let pairs: Vec<Pair> = match &found.formula {
+    match &found.formula {
         Formula::Pinhole(pinhole) => {
             let [_, fy] = pinhole.focal_px;
             camera.principal_distance_mm = fy * pixel_mm;
             camera.principal_point_mm = camera.sensor_from_pixel(pinhole.centre_px);
-            let rays = rays(source, &camera, pinhole)?;
-            let distance = camera.principal_distance_mm;
-            camera
-                .grid_mm(GRID)
-                .into_iter()
-                .zip(rays)
-                .map(|(point, [x, y])| (point, [x * distance, -y * distance]))
-                .collect()
         }
         Formula::Correction(correction) => {
             camera.principal_distance_mm = correction.principal_distance_mm;
@@ -132,10 +128,11 @@ pub fn import(
                     residual: Residual::default(),
                 });
             }
-            let ideal = |point| (point, correction.ideal_from_measured(point));
-            camera.grid_mm(GRID).into_iter().map(ideal).collect()
         }
-    };
+    }
+    let points = camera.grid_mm(GRID);
+    let ideal = ideal(&camera, &found.formula, &points).map_err(|fault| fault.refused(source))?;
+    let pairs: Vec<Pair> = points.into_iter().zip(ideal).collect();
     camera.lens = polynomial(camera.principal_point_mm, &pairs)
         .ok_or_else(|| source.invalid("the distortion over the sensor is not finite"))?;
     let residual = Residual::of(pairs.iter().map(|(point, [ideal_x, ideal_y])| {
@@ -196,22 +193,89 @@ fn polynomial([x0, y0]: [f64; 2], pairs: &[Pair]) -> Option<Lens> {
     })
 }
 
-/// Returns the rays of the grid, and shows that they are the only ones.
-fn rays(
-    source: &Source<'_>,
+/// Fault of a formula at measured points.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum FormulaFault {
+    /// A measured point has no ray.
+    WithoutRay,
+    /// The formula is not one-to-one over the rays.
+    NotOneToOne(one_to_one::Fault),
+}
+
+impl FormulaFault {
+    fn refused(self, source: &Source<'_>) -> InputError {
+        match self {
+            Self::WithoutRay => {
+                source.invalid("the model folds within the sensor: measured points without a ray")
+            }
+            Self::NotOneToOne(fault) => fault.refused(source.file),
+        }
+    }
+}
+
+/// Returns the ideal points of measured points, about the principal point, mm, and shows that they
+/// are the only ones.
+fn ideal(
     camera: &Calibrated,
-    pinhole: &crate::pinhole::Pinhole,
-) -> Result<Vec<[f64; 2]>, InputError> {
-    let folds = "the model folds within the sensor: measured points without a ray";
-    let rays: Option<Vec<_>> = camera
-        .grid_mm(GRID)
-        .into_iter()
-        .map(|point| inverse::ray(pinhole, camera.pixel_from_sensor(point)))
-        .collect();
-    let rays = rays.ok_or_else(|| source.invalid(folds))?;
-    let field = Field::around(rays.iter().copied());
-    one_to_one::show(pinhole, &field).map_err(|fault| fault.refused(source.file))?;
-    Ok(rays)
+    formula: &Formula,
+    points_mm: &[[f64; 2]],
+) -> Result<Vec<[f64; 2]>, FormulaFault> {
+    match formula {
+        Formula::Correction(correction) => {
+            let points = points_mm.iter();
+            Ok(points
+                .map(|point| correction.ideal_from_measured(*point))
+                .collect())
+        }
+        Formula::Pinhole(pinhole) => {
+            let points = points_mm.iter();
+            let rays: Option<Vec<_>> = points
+                .map(|point| inverse::ray(pinhole, camera.pixel_from_sensor(*point)))
+                .collect();
+            let rays = rays.ok_or(FormulaFault::WithoutRay)?;
+            let field = Field::around(rays.iter().copied());
+            one_to_one::show(pinhole, &field).map_err(FormulaFault::NotOneToOne)?;
+            let distance = camera.principal_distance_mm;
+            let rays = rays.into_iter();
+            Ok(rays.map(|[x, y]| [x * distance, -y * distance]).collect())
+        }
+    }
+}
+
+impl Imported {
+    /// Returns measured - ideal at points of the sensor frame by the file's own formula, mm; `None`
+    /// where it folds or is not finite.
+    #[must_use]
+    pub fn distortion(&self, points_mm: &[[f64; 2]]) -> Option<Vec<[f64; 2]>> {
+        let [x0, y0] = self.camera.principal_point_mm;
+        let ideal = ideal(&self.camera, &self.found.formula, points_mm).ok()?;
+        let pairs = points_mm.iter().zip(ideal);
+        pairs
+            .map(|([x, y], [ideal_x, ideal_y])| {
+                let distortion = [x - x0 - ideal_x, y - y0 - ideal_y];
+                distortion
+                    .iter()
+                    .all(|part| part.is_finite())
+                    .then_some(distortion)
+            })
+            .collect()
+    }
+
+    /// Returns what polynomial and another displacement, such as that of a residual grid, leave of
+    /// the file's formula over the sensor; `None` where it folds.
+    #[must_use]
+    pub fn residual_with(&self, displacement: impl Fn([f64; 2]) -> [f64; 2]) -> Option<Residual> {
+        let [x0, y0] = self.camera.principal_point_mm;
+        let points = self.camera.grid_mm(COMPARED);
+        let distortion = self.distortion(&points)?;
+        let rows = points.into_iter().zip(distortion);
+        Some(Residual::of(rows.map(|(point, [dx, dy])| {
+            let [x, y] = point;
+            let [px, py] = self.camera.lens.displacement([x - x0, y - y0]);
+            let [gx, gy] = displacement(point);
+            (point, [dx - px - gx, dy - py - gy])
+        })))
+    }
 }
 
 /// Returns the size of the array: the stated one, which must be the file's where it has one.

@@ -1,6 +1,6 @@
 //! Legends: colours and what they mean, in lines of the figure's width.
 
-use plotters::element::{Circle, PathElement, Rectangle, Text};
+use plotters::element::{Circle, Cross, PathElement, Rectangle, Text, TriangleMarker};
 use plotters::prelude::{Color, RGBColor};
 
 use crate::figure::{Area, Backend, FigureError, SMALL, WIDTH, text};
@@ -22,6 +22,10 @@ pub(crate) enum Mark {
     Dot,
     /// Circle.
     Ring,
+    /// Triangle.
+    Triangle,
+    /// Two lines that cross.
+    Cross,
     /// Line of that width, pixels.
     Line(u32),
     /// Pale square.
@@ -77,6 +81,8 @@ pub(crate) fn draw<B: Backend>(
         match entry.mark {
             Mark::Dot => area.draw(&Circle::new(centre, 7, colour.filled()))?,
             Mark::Ring => area.draw(&Circle::new(centre, 7, colour.stroke_width(2)))?,
+            Mark::Triangle => area.draw(&TriangleMarker::new(centre, 10, colour.filled()))?,
+            Mark::Cross => area.draw(&Cross::new(centre, 6, colour.stroke_width(2)))?,
             Mark::Line(width) => {
                 let line = [(x, y), (x + 30, y)];
                 area.draw(&PathElement::new(line, colour.stroke_width(width)))?;

@@ -183,7 +183,8 @@ Examples:
 pub(super) const IMPORT: &str = "\
 Examples:
   host-sim import metashape camera.xml --pixel-um 3.76 --out my.toml
-  host-sim import colmap cameras.txt --id 1 --base old.toml --out new.toml";
+  host-sim import colmap cameras.txt --id 1 --base old.toml --out new.toml
+  host-sim import opencv camera.yaml --base old.toml --grid --out new.toml";
 
 pub(super) const CAMERA: &str = "\
 Examples:

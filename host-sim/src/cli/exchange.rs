@@ -103,6 +103,10 @@ pub struct ImportArgs {
     /// taken.
     #[arg(long, value_name = "CAMERA.toml")]
     pub base: Option<PathBuf>,
+    /// Write what the polynomial leaves of the file's model as a residual grid of the lens, beside
+    /// the camera file: at most 5 nm are left where a grid can hold the model.
+    #[arg(long, help_heading = ADVANCED)]
+    pub grid: bool,
     /// Report: what was fitted and what it leaves, what was assumed, hashes.
     #[arg(long, value_name = "FILE.json", help_heading = ADVANCED)]
     pub report: Option<PathBuf>,

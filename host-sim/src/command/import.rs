@@ -1,9 +1,12 @@
 //! `import`: a camera file from another program's.
 
+mod residual_grid;
+
 use std::fs::File;
 use std::io::{Read, Write};
 use std::path::Path;
 
+use fmc_camera_file::grid_block::without_grids;
 use fmc_camera_file::interior_text::{self, Interior};
 use fmc_camera_file::{CameraFile, DistortionTable, Sign};
 use fmc_exchange::export::GOOD_ENOUGH_PX;
@@ -13,6 +16,7 @@ use fmc_exchange::source::{MAX_BYTES, Source};
 use fmc_report::exchange::{self, Assumed, ImportSummary};
 use serde::Serialize;
 
+use self::residual_grid::GridOfImport;
 use crate::cli::{ImportArgs, SignName};
 use crate::failure::{Failure, note};
 use crate::formats::output;
@@ -62,18 +66,41 @@ pub(super) fn run(args: &ImportArgs) -> Result<(), Failure> {
         }),
     };
     let residual_px = imported.residual.largest_um / (1e3 * imported.camera.pixel_mm);
-    if residual_px >= GOOD_ENOUGH_PX {
+    if residual_px >= GOOD_ENOUGH_PX && !args.grid {
         note(format_args!(
             "warning: {file}: the camera file's polynomial leaves up to {residual_px:.3} px of its \
-             model, not below {GOOD_ENOUGH_PX} px"
+             model, not below {GOOD_ENOUGH_PX} px; --grid takes it"
         ));
     }
-    let comments = exchange::comments(program, &file, &bytes, &imported);
     let out = args.out.display().to_string();
     let base_text = base.as_ref().map(|(_, text)| text.as_str());
-    let text = interior_text::write(&out, &comments, &interior(&imported, base_file), base_text)?;
-    let (camera, _) = CameraFile::parse(&out, &text)?;
+    let written = |grid: Option<&GridOfImport>| {
+        let statement = grid.map(|grid| &grid.statement);
+        let comments = exchange::comments(program, &file, &bytes, &imported, statement);
+        interior_text::write(&out, &comments, &interior(&imported, base_file), base_text)
+    };
+    let mut text = written(None)?;
+    let (mut camera, _) = CameraFile::parse(&out, &text)?;
     super::warn_of_distortion(&args.out, &camera);
+    let grid = if args.grid {
+        GridOfImport::of(&file, &imported, &camera, &args.out)?
+    } else {
+        None
+    };
+    if let Some(grid) = &grid {
+        text = grid.named_by(&out, &written(Some(grid))?)?;
+        let beside = args.out.with_file_name(&grid.statement.file);
+        let others = [Some(&args.file), args.base.as_ref(), args.report.as_ref()];
+        for other in others.into_iter().flatten() {
+            output::check_not_an_input(&beside, other)?;
+        }
+        output::write(Some(&beside), |sink| sink.write_all(&grid.bytes))?;
+    }
+    output::write(Some(&args.out), |sink| sink.write_all(text.as_bytes()))?;
+    if grid.is_some() {
+        // The identity of the calibration includes that of the grid.
+        (camera, ..) = CameraFile::read_with_grids(&args.out)?;
+    }
     let summary = ImportSummary::of(
         &camera,
         text.as_bytes(),
@@ -81,8 +108,8 @@ pub(super) fn run(args: &ImportArgs) -> Result<(), Failure> {
         &bytes,
         &imported,
         assumed,
+        grid.map(|grid| grid.statement),
     );
-    output::write(Some(&args.out), |sink| sink.write_all(text.as_bytes()))?;
     if let Some(uncertainty) = &imported.found.uncertainty {
         write_json(&args.out.with_extension("uncertainty.json"), uncertainty)?;
     }
@@ -144,10 +171,11 @@ fn check_same_array(args: &ImportArgs, base: &CameraFile) -> Result<(), Failure>
     Ok(())
 }
 
-/// Reads a camera file and its text.
+/// Reads a camera file and its text, without residual grids, which belong to its lens.
 fn base(path: &Path) -> Result<(CameraFile, String), Failure> {
-    let (file, _) = CameraFile::read(path)?;
+    let (file, _, _) = CameraFile::read_with_grids(path)?;
     let text = std::fs::read_to_string(path).map_err(|error| Failure::reading(path, &error))?;
+    let text = without_grids(&path.display().to_string(), &text)?;
     Ok((file, text))
 }
 

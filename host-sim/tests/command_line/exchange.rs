@@ -11,10 +11,10 @@ use crate::command_line::support::{Bench, CAMERA};
 const EXPORT: [&str; 4] = ["--camera", "camera.toml", "--out", "out"];
 
 /// The strong lens of the published cameras.
-const IXM: &str = include_str!("../../cameras/phase-one-ixm-rs150f-50.toml");
+pub(crate) const IXM: &str = include_str!("../../cameras/phase-one-ixm-rs150f-50.toml");
 
 /// Files of each format, without export.json.
-const FILES: [(&str, &[&str]); 12] = [
+pub(crate) const FILES: [(&str, &[&str]); 12] = [
     ("opencv", &["camera.yaml"]),
     ("ros", &["camera_info.yaml"]),
     ("kalibr", &["camchain.yaml"]),
@@ -32,7 +32,7 @@ const FILES: [(&str, &[&str]); 12] = [
     ("photomodeler", &["photomodeler.txt"]),
 ];
 
-fn json(bench: &Bench, file: &str) -> Value {
+pub(crate) fn json(bench: &Bench, file: &str) -> Value {
     serde_json::from_slice(&fs::read(bench.path(file)).unwrap()).unwrap()
 }
 

@@ -63,6 +63,8 @@ mod gridded_camera;
 #[cfg(test)]
 mod images;
 #[cfg(test)]
+mod import_grid;
+#[cfg(test)]
 mod mesh;
 #[cfg(test)]
 mod mission;

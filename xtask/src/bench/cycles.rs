@@ -124,7 +124,9 @@ pub(super) fn cycles(llvm: &Llvm<'_>, programs: &[Program<'_>]) -> Result<Vec<Cy
         let file = File::parse(&*bytes).with_context(|| format!("{}", image.display()))?;
         for kernel in KERNELS {
             let wanted = match core.architecture {
-                Architecture::Armv7em => kernel.armv7em,
+                Architecture::Armv7em | Architecture::Armv7emSoft | Architecture::Armv8m => {
+                    kernel.armv7em
+                }
                 Architecture::Helium => kernel.helium,
             };
             let is_it = |symbol: &object::Symbol<'_, '_>| {
@@ -165,7 +167,9 @@ fn is_named(symbol: &str, function: &str) -> bool {
 /// Returns LLVM's name of the instruction set.
 fn triple(architecture: Architecture) -> &'static str {
     match architecture {
-        Architecture::Armv7em => "thumbv7em-none-eabihf",
+        Architecture::Armv7em | Architecture::Armv7emSoft | Architecture::Armv8m => {
+            architecture.target()
+        }
         Architecture::Helium => "thumbv8.1m.main-none-eabihf",
     }
 }

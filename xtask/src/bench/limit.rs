@@ -76,8 +76,11 @@ fn is_step(row: &Amount<'_>) -> bool {
     row.cost.starts_with("control_event_") || row.cost.starts_with("control_tick_")
 }
 
-/// Rounds up to two significant digits.
+/// Rounds up to two significant digits; nothing remains nothing.
 fn two_digits_up(number: f64) -> f64 {
+    if number <= 0.0 {
+        return 0.0;
+    }
     let digit = number.log10().floor() - 1.0;
     if digit < 0.0 {
         let scale = 10_f64.powf(-digit);

@@ -30,7 +30,8 @@ use crate::{
     tools::Toolbox,
     workspace::Workspace,
 };
-use cost::{Cost, Footprint, Instructions, amounts};
+pub(crate) use cost::Footprint;
+use cost::{Cost, Instructions, amounts};
 use llvm::Llvm;
 
 /// File names of the comparison and of its figure.
@@ -122,6 +123,36 @@ pub(crate) fn check(
         text.extend(cycles.iter().filter_map(cycles::Cycles::over_limit));
     }
     let text: Vec<_> = text.iter().map(|text| format!("\n    {text}")).collect();
+    ensure!(
+        text.is_empty(),
+        "costs are not those of the tables and limits:{}",
+        text.concat()
+    );
+    Ok(())
+}
+
+/// Compares one footprint with the committed tables and limits; with `update` it replaces its row
+/// first.
+///
+/// # Errors
+/// An error if a cost exceeds its table or its limit.
+pub(crate) fn compare_footprint(
+    workspace: &Workspace,
+    footprint: Footprint,
+    update: bool,
+) -> Result<()> {
+    let root = &workspace.root;
+    let footprint = vec![footprint];
+    if update {
+        cost::replace(root, footprint.clone())?;
+    }
+    let table: Vec<Footprint> = cost::read(&root.join(Footprint::TABLE))?;
+    let findings =
+        cost_problem::findings(&amounts(&table), &limit::read(root)?, &amounts(&footprint));
+    let text: Vec<_> = findings
+        .iter()
+        .map(|found| format!("\n    {found}"))
+        .collect();
     ensure!(
         text.is_empty(),
         "costs are not those of the tables and limits:{}",

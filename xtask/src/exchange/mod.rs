@@ -1,4 +1,4 @@
-//! Files for other programs, read by the programs themselves, and blocks of frames on several
+//! Files for other programs and poses, read by the programs themselves, and blocks of frames on several
 //! workers: `OpenCV`, COLMAP and Dask, from the Python package index.
 
 mod python;
@@ -13,6 +13,9 @@ use crate::{tools::Toolbox, verify, workspace::Workspace};
 
 /// Script that reads the files and projects points.
 const SCRIPT: &str = "xtask/src/exchange/readers.py";
+
+/// Script that reads poses of a flight.
+const POSES: &str = "xtask/src/exchange/poses.py";
 
 /// Script that rectifies a block of frames with Dask.
 const BLOCKS: &str = "xtask/src/exchange/blocks.py";
@@ -33,7 +36,7 @@ const ALL_TERMS: &str = "name = \"all terms\"\nprincipal_distance_mm = 100\n\
                          [distortion]\nk0 = 2e-4\nk1 = -8e-6\nk2 = 3e-9\nk3 = -4e-13\n\
                          p1 = 3e-6\np2 = -5e-6\nb1 = 1e-4\nb2 = -6e-5\n";
 
-/// Lets the programs read exports of every camera and project points.
+/// Lets the programs read exports of every camera and project points, and poses of a flight.
 ///
 /// # Errors
 /// An error if the programs are not available, or if a projected point is not where the export
@@ -45,25 +48,31 @@ pub(crate) fn check(workspace: &Workspace, toolbox: &Toolbox<'_>) -> Result<()> 
     )?;
     let shell = &workspace.shell;
     let folder = shell.create_temp_dir()?;
-    let all_terms = folder.path().join("all-terms.toml");
-    shell.write_file(&all_terms, ALL_TERMS)?;
+    let all_terms = [folder.path().join("all-terms.toml")];
+    for file in &all_terms {
+        shell.write_file(file, ALL_TERMS)?;
+    }
     let mut cameras = cameras(workspace)?;
-    cameras.push(all_terms);
+    cameras.extend(all_terms.clone());
     let command = python
         .run(shell)
         .quiet()
         .arg(workspace.root.join(SCRIPT))
-        .arg(host_sim)
+        .arg(&host_sim)
         .args(cameras);
     eprintln!("$ {command}");
     command.run()?;
-    let command = python
-        .run(shell)
-        .quiet()
-        .arg(workspace.root.join(BLOCKS))
-        .arg(verify::tested_host_sim(workspace)?);
-    eprintln!("$ {command}");
-    command.run().map_err(Into::into)
+    for (script, files) in [(POSES, &all_terms[..]), (BLOCKS, &[])] {
+        let command = python
+            .run(shell)
+            .quiet()
+            .arg(workspace.root.join(script))
+            .arg(&host_sim)
+            .args(files);
+        eprintln!("$ {command}");
+        command.run()?;
+    }
+    Ok(())
 }
 
 /// Returns the camera files of the program.

@@ -50,6 +50,10 @@ pub(crate) enum Tool {
     Pip,
     /// Linker for 64-bit Arm and QEMU's emulation of its processes.
     Aarch64,
+    /// GNU's C compiler for Arm, with a C library.
+    ArmGcc,
+    /// Checker of C sources, with its rules of MISRA C.
+    Cppcheck,
 }
 
 impl Tool {
@@ -63,6 +67,8 @@ impl Tool {
             Self::Llvm => "llvm",
             Self::Pip => "pip",
             Self::Aarch64 => "aarch64",
+            Self::ArmGcc => "arm-gcc",
+            Self::Cppcheck => "cppcheck",
         }
     }
 
@@ -80,6 +86,8 @@ impl Tool {
                 "libc6-dev-arm64-cross",
                 "qemu-user-static",
             ],
+            Self::ArmGcc => &["gcc-arm-none-eabi"],
+            Self::Cppcheck => &["cppcheck"],
         }
     }
 
@@ -94,6 +102,8 @@ impl Tool {
             // It is run as a module of a Python.
             Self::Pip => &[],
             Self::Aarch64 => &["aarch64-linux-gnu-gcc", "qemu-aarch64-static"],
+            Self::ArmGcc => &["arm-none-eabi-gcc"],
+            Self::Cppcheck => &["cppcheck"],
         }
     }
 
@@ -102,7 +112,13 @@ impl Tool {
         match self {
             Self::Compiler => Version::find(env!("CARGO_PKG_RUST_VERSION")),
             Self::Qemu => Some(Version::new(7, 2)),
-            Self::Clippy | Self::Linker | Self::Llvm | Self::Pip | Self::Aarch64 => None,
+            Self::Clippy
+            | Self::Linker
+            | Self::Llvm
+            | Self::Pip
+            | Self::Aarch64
+            | Self::ArmGcc
+            | Self::Cppcheck => None,
         }
     }
 
@@ -131,6 +147,8 @@ impl fmt::Display for Tool {
             Self::Llvm => "LLVM",
             Self::Pip => "Python with pip",
             Self::Aarch64 => "linker and emulator of 64-bit Arm",
+            Self::ArmGcc => "C compiler for the target",
+            Self::Cppcheck => "checker of C sources",
         })
     }
 }

@@ -7,7 +7,7 @@ use super::geometry;
 use super::interior::{Interior, InteriorElement};
 use super::network::{Network, PointRole};
 use super::network_of_tables::{TabledNetwork, Unknowns};
-use super::orientation::network_orientation::orient;
+use super::orientation::network_orientation::{Unoriented, orient};
 use super::parameters::Parameter;
 use super::plausibility;
 use super::separation;
@@ -111,7 +111,8 @@ impl BundleCalibration {
         let network = with_datum(&tabled.network, options.datum);
         let initial = State::initial(&network);
         let unrejected = adjust(&network, options.datum, &initial)
-            .or_else(|error| by_stages(&network, options.datum, &initial, error))?;
+            .or_else(|error| by_stages(&network, options.datum, &initial, error))
+            .map_err(|error| of_orientation(&network, &unoriented, error))?;
         plausibility::check(
             tables,
             start,
@@ -167,6 +168,17 @@ fn by_stages(
             _ => error,
         }
     })
+}
+
+/// Returns the error of a network that does not converge from images that were only taken for
+/// vertical ones: they cannot be oriented.
+fn of_orientation(network: &Network, unoriented: &Unoriented, error: BundleError) -> BundleError {
+    match (error, unoriented.taken_for_vertical.first()) {
+        (BundleError::NotConverged, Some(image)) => BundleError::Unoriented {
+            image: image_name(network, *image),
+        },
+        (error, _) => error,
+    }
 }
 
 fn image_name(network: &Network, number: usize) -> String {

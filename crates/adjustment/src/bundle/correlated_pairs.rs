@@ -39,7 +39,7 @@ impl Effect {
             Parameter::LeverArm(_) => Some(Self::Arm),
             Parameter::Boresight(_) => Some(Self::Boresight),
             Parameter::Shift { .. } => Some(Self::Shift),
-            Parameter::Interior(_) | Parameter::Point { .. } => None,
+            Parameter::Interior(_) | Parameter::Additional(_) | Parameter::Point { .. } => None,
         }
     }
 }

@@ -43,7 +43,10 @@ impl Datum {
             .filter(|parameter| {
                 !matches!(
                     parameter,
-                    Parameter::Interior(_) | Parameter::Stage(_) | Parameter::Point { .. }
+                    Parameter::Interior(_)
+                        | Parameter::Stage(_)
+                        | Parameter::Additional(_)
+                        | Parameter::Point { .. }
                 )
             })
             .collect();

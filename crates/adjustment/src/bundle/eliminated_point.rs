@@ -2,6 +2,7 @@
 
 use nalgebra::{Matrix3, Matrix6, Matrix6x3, SMatrix, SVector, Vector2, Vector3, Vector6};
 
+use super::additional;
 use super::layout::{CAMERA_UNKNOWNS, Layout};
 use super::network::{ImagePoint, Network};
 use super::ray::Ray;
@@ -46,14 +47,21 @@ impl WeightedRay {
             stage.reduced(setting, observed.measured_mm)
         });
         let reduced_mm = moved.map_or(observed.measured_mm, |moved| moved.reduced_mm);
-        let ray = Ray::new(interior, pose, &point, reduced_mm)?;
+        let columns = network.additional(observed);
+        let corrected_mm = columns.map_or(reduced_mm, |columns| {
+            additional::corrected(reduced_mm, columns, &state.parameters.additional)
+        });
+        let ray = Ray::new(interior, pose, &point, corrected_mm)?;
         let weight = 1.0 / observed.sigma_mm;
         let mut by_camera = CameraJacobian::zeros();
         // An image point moves against the principal point.
         let [_, by_x0, by_y0, ..] = ray.by_interior;
         let by_stage = moved.map_or_else(Default::default, |moved| moved.by_element);
         let by_stage = by_stage.map(|motion| -(by_x0 * motion.x + by_y0 * motion.y));
+        let by_additional = columns.copied().unwrap_or_default();
+        let by_additional = by_additional.map(|[x, y]| by_x0 * x + by_y0 * y);
         let columns = ray.by_interior.iter().chain(&by_stage);
+        let columns = columns.chain(&by_additional);
         for (index, (column, place)) in columns.zip(layout.camera).enumerate() {
             if place.is_some() {
                 by_camera.set_column(index, &(weight * column));

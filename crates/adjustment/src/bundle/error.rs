@@ -28,7 +28,8 @@ pub enum BundleError {
     },
     /// An image cannot be oriented.
     #[error(
-        "image {image} has neither a position and attitude nor four points with known coordinates: it cannot be oriented"
+        "image {image} has neither a position and attitude nor four points with known coordinates, nor two if it looks \
+         straight down: it cannot be oriented"
     )]
     Unoriented {
         /// Name of the image.

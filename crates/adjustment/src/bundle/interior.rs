@@ -1,6 +1,7 @@
 //! Interior orientation and distortion with the derivatives that self-calibration needs.
 
 use fmc_camera_file::CameraFile;
+use fmc_reference::lens::Lens;
 use nalgebra::{Matrix2, Vector2};
 
 /// Number of elements of the interior orientation that can be estimated.
@@ -115,7 +116,7 @@ impl Interior {
     /// Takes over the interior orientation of a camera file.
     #[must_use]
     pub fn of(camera: &CameraFile) -> Self {
-        let lens = fmc_reference::lens::Lens::of(camera);
+        let lens = Lens::of(camera);
         Self {
             principal_distance_mm: camera.principal_distance_mm,
             principal_point_mm: camera.principal_point_mm,
@@ -171,14 +172,9 @@ impl Interior {
 
     /// Distortion at a point from the principal point, mm.
     #[must_use]
-    pub fn distortion(&self, [x, y]: [f64; 2]) -> Vector2<f64> {
-        let ([k0, k1, k2, k3], [p1, p2], [b1, b2]) = (self.k, self.p, self.b);
-        let r2 = x * x + y * y;
-        let radial = k0 + r2 * (k1 + r2 * (k2 + r2 * k3));
-        Vector2::new(
-            x * radial + p1 * (r2 + 2.0 * x * x) + 2.0 * p2 * x * y + b1 * x + b2 * y,
-            y * radial + p2 * (r2 + 2.0 * y * y) + 2.0 * p1 * x * y,
-        )
+    pub fn distortion(&self, from_pp_mm: [f64; 2]) -> Vector2<f64> {
+        let Self { k, p, b, .. } = *self;
+        Lens { k, p, b }.displacement(from_pp_mm).into()
     }
 
     /// Returns the ideal point from the principal point, mm.

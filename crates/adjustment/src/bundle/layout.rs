@@ -1,5 +1,6 @@
 //! Places of the unknowns in the normal equations.
 
+use crate::correction::COEFFICIENTS;
 use crate::linear::bordered_factor::{EliminationOrder, Singular};
 use crate::linear::image_pairs::ImagePairs;
 
@@ -8,8 +9,8 @@ use super::network::{ImagePoint, Network, ScaleBar};
 use super::parameters::Parameter;
 use super::stage::{STAGE_ELEMENTS, StageElement};
 
-/// Number of unknowns of the camera: interior orientation, then stage.
-pub const CAMERA_UNKNOWNS: usize = INTERIOR_ELEMENTS + STAGE_ELEMENTS;
+/// Number of unknowns of the camera: interior orientation, stage, additional parameters.
+pub const CAMERA_UNKNOWNS: usize = INTERIOR_ELEMENTS + STAGE_ELEMENTS + COEFFICIENTS;
 
 /// Treatment of an object point's coordinates.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -29,7 +30,8 @@ pub enum PointUnknowns {
 pub struct Layout {
     /// Unknowns of the border: those of the camera first.
     pub border: Vec<Parameter>,
-    /// Column of the border of each unknown of the camera: interior orientation, then stage.
+    /// Column of the border of each unknown of the camera: interior orientation, stage, additional
+    /// parameters.
     pub camera: [Option<usize>; CAMERA_UNKNOWNS],
     points: Vec<PointUnknowns>,
     order: EliminationOrder,
@@ -47,8 +49,10 @@ impl Layout {
         border.dedup();
         let interior = InteriorElement::ALL.into_iter().map(Parameter::Interior);
         let stage = StageElement::ALL.into_iter().map(Parameter::Stage);
+        let additional = (0..COEFFICIENTS).map(Parameter::Additional);
         let mut camera = [None; CAMERA_UNKNOWNS];
-        for (place, parameter) in camera.iter_mut().zip(interior.chain(stage)) {
+        let unknowns = interior.chain(stage).chain(additional);
+        for (place, parameter) in camera.iter_mut().zip(unknowns) {
             *place = border.iter().position(|other| *other == parameter);
         }
         let mut rays = vec![0_usize; network.points.len()];

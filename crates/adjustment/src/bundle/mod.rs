@@ -3,6 +3,7 @@
 //! Frames and signs as in the [crate]: ground metres, camera axes x right, y forward,
 //! optical axis -z. Image coordinates are millimetres of the sensor frame.
 
+pub mod additional;
 pub mod calibration;
 pub mod cofactors;
 pub mod correlated_pairs;
@@ -20,6 +21,7 @@ pub mod normals;
 pub mod orientation;
 pub mod outcome;
 pub mod parameters;
+mod part_of_block;
 pub mod plausibility;
 pub mod pose;
 pub mod ray;

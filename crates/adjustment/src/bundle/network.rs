@@ -2,6 +2,7 @@
 
 use nalgebra::Vector3;
 
+use super::additional::AdditionalColumns;
 use super::image::NetworkImage;
 use super::parameters::{Parameter, Prior, SharedValues};
 
@@ -63,6 +64,9 @@ pub struct ImagePoint {
     pub measured_mm: [f64; 2],
     /// σ of either coordinate, mm.
     pub sigma_mm: f64,
+    /// Number of its row in [`Network::additional`]; `None` for one that additional parameters do
+    /// not move.
+    pub additional: Option<u32>,
     /// `false` for one that gross error detection rejected.
     pub accepted: bool,
 }
@@ -87,6 +91,8 @@ pub struct Network {
     pub points: Vec<ObjectPoint>,
     /// Image points, in ascending order of object point, then image.
     pub image_points: Vec<ImagePoint>,
+    /// Distortion of image points by the additional parameters.
+    pub additional: Vec<AdditionalColumns>,
     /// Scale bars.
     pub scale_bars: Vec<ScaleBar>,
     /// Names of the strips.
@@ -104,6 +110,13 @@ impl Network {
     pub fn sort(&mut self) {
         self.image_points
             .sort_by_key(|observed| (observed.point, observed.image));
+    }
+
+    /// Distortion of an image point by the additional parameters; `None` without any.
+    #[must_use]
+    pub fn additional(&self, observed: &ImagePoint) -> Option<&AdditionalColumns> {
+        let row = usize::try_from(observed.additional?).ok()?;
+        self.additional.get(row)
     }
 
     /// Image points of one object point after another, accepted or not.

@@ -3,6 +3,8 @@
 
 use nalgebra::{Rotation3, Vector3};
 
+use crate::correction::{COEFFICIENT_NAMES, COEFFICIENTS};
+
 use super::interior::{Interior, InteriorElement};
 use super::pose::rotation_vector;
 use super::stage::{Stage, StageElement};
@@ -14,6 +16,8 @@ pub enum Parameter {
     Interior(InteriorElement),
     /// Element of the stage.
     Stage(StageElement),
+    /// Additional parameter, by its number.
+    Additional(usize),
     /// dt, s.
     TimeOffset,
     /// Component of the lever arm, m.
@@ -47,6 +51,10 @@ impl Parameter {
         match self {
             Self::Interior(element) => element.name().to_owned(),
             Self::Stage(element) => element.name().to_owned(),
+            Self::Additional(number) => {
+                let name = COEFFICIENT_NAMES.get(number).copied();
+                name.unwrap_or_default().to_owned()
+            }
             Self::TimeOffset => "time_offset_s".to_owned(),
             Self::LeverArm(axis) => format!("lever_arm_{}_m", letter(axis)),
             Self::Boresight(axis) => format!("boresight_{}_rad", letter(axis)),
@@ -70,6 +78,8 @@ pub struct SharedValues {
     pub interior: Interior,
     /// Stage relative to that of the camera file.
     pub stage: Stage,
+    /// Additional parameters.
+    pub additional: [f64; COEFFICIENTS],
     /// dt: the centroid of the exposure less the time of the observed position, s.
     pub time_offset_s: f64,
     /// a: the projection centre from the observed point, camera axes, m.
@@ -87,6 +97,7 @@ impl SharedValues {
         Self {
             interior,
             stage: Stage::default(),
+            additional: [0.0; COEFFICIENTS],
             time_offset_s: 0.0,
             lever_arm_m: Vector3::zeros(),
             boresight: Rotation3::identity(),
@@ -101,6 +112,7 @@ impl SharedValues {
         match parameter {
             Parameter::Interior(element) => Some(self.interior.value(element)),
             Parameter::Stage(element) => Some(self.stage.value(element)),
+            Parameter::Additional(number) => self.additional.get(number).copied(),
             Parameter::TimeOffset => Some(self.time_offset_s),
             Parameter::LeverArm(axis) => component(&self.lever_arm_m, axis),
             Parameter::Boresight(axis) => component(&rotation_vector(&self.boresight), axis),
@@ -124,6 +136,7 @@ impl SharedValues {
                 self.stage.add(element, step);
                 None
             }
+            Parameter::Additional(number) => self.additional.get_mut(number),
             Parameter::TimeOffset => Some(&mut self.time_offset_s),
             Parameter::LeverArm(axis) => self.lever_arm_m.get_mut(axis),
             Parameter::Boresight(axis) => {

@@ -145,7 +145,8 @@ pub fn check(
     reading(tables, start, unknowns, choice).map_or(Ok(()), Err)
 }
 
-/// Returns the error that names another reading of the files, if it fits far better.
+/// Returns the error that names another reading of the files, if it fits far better; of a large
+/// block a part is tried.
 #[must_use]
 pub fn reading(
     tables: &NetworkTables,
@@ -153,6 +154,8 @@ pub fn reading(
     unknowns: &Unknowns,
     choice: DatumChoice,
 ) -> Option<InputError> {
+    // One more for the files as they were read.
+    let tables = &trial::part_for(tables, Reading::ALL.len() + 1);
     let sigma0 = |tables: &NetworkTables| {
         let (_, solution) = trial::adjusted(tables, start, unknowns, choice, true)?;
         Some(solution.sigma0())

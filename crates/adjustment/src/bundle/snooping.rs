@@ -3,7 +3,9 @@
 
 use nalgebra::Vector3;
 
-use crate::calibration::snooping::{FAMILY_ERROR, ROUNDING_MM, count, pope, student};
+use crate::calibration::snooping::{
+    FAMILY_ERROR, LEAST_REDUNDANCY, ROUNDING_MM, count, pope, student,
+};
 
 use super::cofactors::Cofactors;
 use super::error::BundleError;
@@ -144,7 +146,7 @@ pub fn snooped(
     let mut admitted_again = vec![false; network.image_points.len()];
     let mut round = Round::of(&working, choice, start)?;
     for _ in 0..MOST_ROUNDS {
-        if round.solution.redundancy() < 2 {
+        if round.solution.redundancy() < LEAST_REDUNDANCY {
             break;
         }
         let [inside, outside] = round.critical;

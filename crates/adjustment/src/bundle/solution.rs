@@ -119,6 +119,19 @@ pub fn adjust(
     choice: DatumChoice,
     start: &State,
 ) -> Result<Solution, BundleError> {
+    adjust_watched(network, choice, start, |_| ())
+}
+
+/// Adjusts a network as [`adjust`] does and shows the values after every iteration that is kept.
+///
+/// # Errors
+/// [`BundleError`] as for [`adjust`].
+pub fn adjust_watched(
+    network: &Network,
+    choice: DatumChoice,
+    start: &State,
+    mut watch: impl FnMut(&State),
+) -> Result<Solution, BundleError> {
     let layout = Layout::new(network).map_err(|_| BundleError::NotConverged)?;
     let datum = Datum::of(network, &layout, start);
     if !datum.inseparable.is_empty() {
@@ -143,12 +156,13 @@ pub fn adjust(
     let first =
         Normals::new(network, &layout, start, 0.0).map_err(|_| BundleError::NotConverged)?;
     search.held = datum.held_elements(start, &first.diagonal);
-    let (mut state, mut cost, mut iterations) = search.minimum(start.clone(), first.cost)?;
+    let (mut state, mut cost, mut iterations) =
+        search.minimum(start.clone(), first.cost, &mut watch)?;
     if datum.defects() > 0 {
         let aligned = datum
             .aligned(&layout, &state, start)
             .ok_or(BundleError::NotConverged)?;
-        let (after, least, more) = search.minimum(aligned, f64::INFINITY)?;
+        let (after, least, more) = search.minimum(aligned, f64::INFINITY, &mut watch)?;
         (state, cost) = (after, least);
         iterations += more.saturating_sub(1);
     }
@@ -217,7 +231,12 @@ impl Search<'_> {
     }
 
     /// Iterates to the least vᵀPv; returns it with the number of iterations.
-    fn minimum(&self, start: State, cost: f64) -> Result<(State, f64, usize), BundleError> {
+    fn minimum(
+        &self,
+        start: State,
+        cost: f64,
+        watch: &mut impl FnMut(&State),
+    ) -> Result<(State, f64, usize), BundleError> {
         let failed = || BundleError::NotConverged;
         let mut best = Best {
             state: start.clone(),
@@ -249,6 +268,7 @@ impl Search<'_> {
             match next {
                 // vᵀPv changes by rounding alone: the length of the steps tells where they end.
                 Some(next) if is_unseen || (damping <= 0.0 && length < SMALLEST_STEP) => {
+                    watch(&moved);
                     if length < SMALLEST_STEP || length >= before {
                         return Ok((moved, next.cost, iteration));
                     }
@@ -260,6 +280,7 @@ impl Search<'_> {
                     normals = next;
                 }
                 Some(next) if next.cost <= best.cost * (1.0 + ROUNDING) => {
+                    watch(&moved);
                     best = Best {
                         state: moved.clone(),
                         cost: next.cost,
@@ -280,6 +301,7 @@ impl Search<'_> {
                     };
                 }
                 Some(next) if damping <= 0.0 && rises < MOST_RISES => {
+                    watch(&moved);
                     rises += 1;
                     state = moved;
                     normals = next;

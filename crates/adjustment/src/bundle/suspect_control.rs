@@ -20,7 +20,8 @@ const AS_WELL: f64 = 1.1;
 const AS_GOOD: f64 = 1.2;
 
 /// Returns the error of control that does not fit with the single point whose release explains it
-/// best, oriented anew without it; the error as it was if no single point does.
+/// best, oriented anew without it; the error as it was if no single point does, and for a block too
+/// large to be adjusted as often.
 ///
 /// The search for gross errors starts from an orientation that the wrong point has bent, and from
 /// there another one may seem wrong.
@@ -39,7 +40,8 @@ pub fn refined(
         return error;
     };
     let control = |row: &&ObjectPointRow| row.role == RowRole::Control;
-    if tables.object_points.rows.iter().filter(control).count() > MOST_TRIED {
+    let points = tables.object_points.rows.iter().filter(control).count();
+    if points > MOST_TRIED || !trial::allows(tables, points) {
         return error;
     }
     let mut explained: Vec<(Misfit, f64)> = Vec::new();

@@ -5,9 +5,26 @@ use super::network::{Network, PointRole};
 use super::network_of_tables::Unknowns;
 use super::orientation::network_orientation::orient;
 use super::parameters::Parameter;
+use super::part_of_block::part_of_block;
 use super::solution::{DatumChoice, Solution, adjust, with_datum};
 use super::state::State;
 use super::tables::{NetworkTables, RowRole};
+
+/// Most image points of all trials together, some tens of seconds: a small network is tried as
+/// often as its files could be read otherwise, a block of 10,000 images only in part.
+const MOST_ADJUSTED: usize = 2_000_000;
+
+/// Returns the tables, or a part of them that can be adjusted so many times.
+#[must_use]
+pub fn part_for(tables: &NetworkTables, trials: usize) -> NetworkTables {
+    part_of_block(tables, MOST_ADJUSTED / trials.max(1))
+}
+
+/// Returns true if whole tables can be adjusted so many times.
+#[must_use]
+pub const fn allows(tables: &NetworkTables, trials: usize) -> bool {
+    tables.image_points.rows.len().saturating_mul(trials) <= MOST_ADJUSTED
+}
 
 /// Adjusts tables from a new orientation; `None` if they cannot be oriented or do not converge.
 ///

@@ -1,5 +1,6 @@
 //! Doubts about a calibration by a network that its reader must know of.
 
+use crate::calibration::gross_errors::rejection_warning;
 use crate::calibration::result::CalibrationResult;
 use crate::calibration::result::network::PointRole;
 
@@ -37,6 +38,7 @@ pub fn of(calibration: &BundleCalibration, result: &CalibrationResult) -> Vec<St
     check_points(result, &mut warnings);
     other_observations(calibration, &mut warnings);
     images(calibration, &mut warnings);
+    warnings.extend(rejection_warning(result));
     warnings
 }
 

@@ -3,10 +3,7 @@
 use super::least_squares::{Adjusted, AdjustmentError, Model, adjust};
 use super::result::CalibrationResult;
 use super::result::residual::TestedResidual;
-use super::snooping::{FAMILY_ERROR, ROUNDING_MM, count, pope, student};
-
-/// Redundancy below which no observation is rejected: the others cannot tell which one is wrong.
-const LEAST_REDUNDANCY: usize = 8;
+use super::snooping::{FAMILY_ERROR, LEAST_REDUNDANCY, ROUNDING_MM, count, pope, student};
 
 /// Share of rejected points above which the model is doubted.
 const LARGEST_REJECTED: f64 = 0.05;

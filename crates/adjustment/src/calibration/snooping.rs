@@ -12,6 +12,9 @@ use super::robust_start::RobustStart;
 /// Probability that any observation is rejected although none is wrong.
 pub(crate) const FAMILY_ERROR: f64 = 0.05;
 
+/// Redundancy below which no observation is rejected: the others cannot tell which one is wrong.
+pub(crate) const LEAST_REDUNDANCY: usize = 8;
+
 /// Residuals smaller than this, mm, are due to rounding and never rejected.
 pub(crate) const ROUNDING_MM: f64 = 2e-9;
 

@@ -110,7 +110,7 @@ pub fn grid_calibration(
 }
 
 /// Returns the nodes of a grid of a camera.
-fn lattice(
+pub(super) fn lattice(
     camera: &CameraFile,
     carrier: GridCarrier,
     pitch_mm: f64,

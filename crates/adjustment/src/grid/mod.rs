@@ -7,6 +7,7 @@ mod design;
 pub mod fit;
 pub mod grid_file;
 pub mod lattice;
+pub mod model_grid;
 mod outcome;
 mod plausibility;
 pub mod polynomial;

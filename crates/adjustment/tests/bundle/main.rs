@@ -30,3 +30,5 @@ mod stage;
 mod strasbourg;
 #[cfg(test)]
 mod units;
+#[cfg(test)]
+mod vertical;

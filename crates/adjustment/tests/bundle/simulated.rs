@@ -160,6 +160,7 @@ impl Simulated {
                             y + SIGMA_MM * normal(&mut random),
                         ],
                         sigma_mm: SIGMA_MM,
+                        additional: None,
                         accepted: true,
                     });
                 }
@@ -184,6 +185,7 @@ impl Simulated {
                 images,
                 points,
                 image_points,
+                additional: Vec::new(),
                 scale_bars: Vec::new(),
                 strips: Vec::new(),
                 parameters: SharedValues::new(LENS, 0),

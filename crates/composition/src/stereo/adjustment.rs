@@ -200,6 +200,7 @@ fn network(
                 point,
                 measured_mm: place,
                 sigma_mm: request.sigma_px,
+                additional: None,
                 accepted: true,
             });
         }
@@ -216,6 +217,7 @@ fn network(
         images,
         points: objects,
         image_points,
+        additional: Vec::new(),
         scale_bars: Vec::new(),
         strips: Vec::new(),
         parameters: SharedValues::new(interior, 0),

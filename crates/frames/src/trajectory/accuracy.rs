@@ -7,7 +7,7 @@ use std::path::Path;
 use fmc_camera_file::InputError;
 
 use super::clock::WeekCount;
-use super::sample::{Allowed, OrientationSigma, SECONDS_OF_WEEK, each};
+use super::sample::{Allowed, OrientationSigma, SECONDS_OF_WEEK, numbers_of};
 
 /// Numbers of a record: time, σ of the position north, east and down (m), of the velocity (3), of
 /// roll, pitch and heading (minutes of arc); `f64`, little endian.
@@ -104,11 +104,7 @@ impl Accuracy {
         match self.records.get(before..before + 2) {
             Some([(from_s, a), (to_s, b)]) if (*from_s..=*to_s).contains(&time_s) => {
                 let share = (time_s - from_s) / (to_s - from_s);
-                let between = |a, b| each(a, b, |a, b| a + (b - a) * share);
-                Ok(OrientationSigma {
-                    position_m: between(a.position_m, b.position_m),
-                    angles_rad: between(a.angles_rad, b.angles_rad),
-                })
+                Ok(a.towards(b, share))
             }
             _ => Err(InputError::invalid(format!(
                 "{}: {time_s:.3} s of the week is outside its times, {:.3} to {:.3} s",
@@ -122,12 +118,8 @@ impl Accuracy {
 
 /// Returns time and σ of a record.
 fn record(bytes: &[u8; BYTES]) -> Result<(f64, OrientationSigma), String> {
-    let mut numbers = [0.0; NUMBERS];
-    let (parts, _) = bytes.as_chunks::<8>();
-    for (number, part) in numbers.iter_mut().zip(parts) {
-        *number = f64::from_le_bytes(*part);
-    }
-    let [time, north, east, down, _, _, _, roll, pitch, heading] = numbers;
+    let [time, north, east, down, _, _, _, roll, pitch, heading]: [f64; NUMBERS] =
+        numbers_of(bytes);
     for (name, value, allowed) in [
         ("time", time, SECONDS_OF_WEEK),
         ("σ north", north, POSITION),

@@ -189,10 +189,5 @@ fn place(base: &Sample, coordinates: Coordinates, offset: [f64; 3]) -> Place {
 fn sigma(samples: &[Sample], before: usize, time_s: f64) -> Option<OrientationSigma> {
     let (first, second) = (samples.get(before)?, samples.get(before + 1)?);
     let share = (time_s - first.time_s) / (second.time_s - first.time_s);
-    let (a, b) = (first.sigma?, second.sigma?);
-    let between = |a: [f64; 3], b: [f64; 3]| each(a, b, |a, b| a + (b - a) * share);
-    Some(OrientationSigma {
-        position_m: between(a.position_m, b.position_m),
-        angles_rad: between(a.angles_rad, b.angles_rad),
-    })
+    Some(first.sigma?.towards(&second.sigma?, share))
 }

@@ -48,6 +48,25 @@ impl OrientationSigma {
             angles_rad: each(self.angles_rad, other.angles_rad, f64::hypot),
         }
     }
+
+    /// Returns the σ at a share of the way to another, by which errors that are alike grow.
+    pub(super) fn towards(&self, other: &Self, share: f64) -> Self {
+        let between = |a, b| each(a, b, |a, b| a + (b - a) * share);
+        Self {
+            position_m: between(self.position_m, other.position_m),
+            angles_rad: between(self.angles_rad, other.angles_rad),
+        }
+    }
+}
+
+/// Returns the numbers of a binary record: `f64`, little endian.
+pub(super) fn numbers_of<const COUNT: usize>(bytes: &[u8]) -> [f64; COUNT] {
+    let mut numbers = [0.0; COUNT];
+    let (parts, _) = bytes.as_chunks::<8>();
+    for (number, part) in numbers.iter_mut().zip(parts) {
+        *number = f64::from_le_bytes(*part);
+    }
+    numbers
 }
 
 /// Returns what `of` gives of each pair.

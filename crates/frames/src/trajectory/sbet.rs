@@ -3,6 +3,7 @@
 use super::clock::WeekCount;
 use super::sample::{
     Allowed, Attitude, HEADING, HEIGHT, LATITUDE, LONGITUDE, PITCH, ROLL, SECONDS_OF_WEEK, Sample,
+    numbers_of,
 };
 
 /// Numbers of a record: time, latitude, longitude, height, velocity (3), roll, pitch, platform
@@ -28,11 +29,6 @@ const WANDER: Allowed = HEADING;
 /// # Errors
 /// The sentence for the user, without file and record.
 pub(super) fn sample(bytes: &Bytes, weeks: &mut WeekCount) -> Result<Sample, String> {
-    let mut numbers = [0.0; NUMBERS];
-    let (parts, _) = bytes.as_chunks::<8>();
-    for (number, part) in numbers.iter_mut().zip(parts) {
-        *number = f64::from_le_bytes(*part);
-    }
     let [
         seconds,
         latitude,
@@ -46,7 +42,7 @@ pub(super) fn sample(bytes: &Bytes, weeks: &mut WeekCount) -> Result<Sample, Str
         heading,
         wander,
         ..,
-    ] = numbers;
+    ]: [f64; NUMBERS] = numbers_of(bytes);
     for (name, value, allowed) in [
         ("time", seconds, SECONDS_OF_WEEK),
         ("latitude", latitude, LATITUDE),

@@ -5,10 +5,12 @@ use fmc_camera_file::CameraFile;
 use fmc_exchange::found::Formula;
 use fmc_exchange::import::Imported;
 use fmc_exchange::program::Program;
+use fmc_exchange::residual::Residual;
 use serde::Serialize;
 
 use super::{NAMES, residual};
 use crate::hash::{crc32, sha256};
+use crate::length;
 use crate::terminal;
 
 /// Statement of an import: the file that was read, and the residual. Keys are only ever added.
@@ -34,6 +36,8 @@ pub struct ImportSummary {
     pub at_mm: [f64; 2],
     /// Terms of the file that have no place of their own: their effect is in the residual.
     pub not_held: Vec<&'static str>,
+    /// Residual grid beside the polynomial; the residual is that of both.
+    pub grid: Option<ImportedGrid>,
     /// Numbers that the file does not have.
     pub assumed: Assumed,
     /// Remarks.
@@ -59,6 +63,38 @@ pub struct Assumed {
     pub sign: Option<&'static str>,
 }
 
+/// Residual grid that takes what the polynomial leaves.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ImportedGrid {
+    /// Name of its file, beside the camera file.
+    pub file: String,
+    /// CRC-32 with which the file ends, in hexadecimal digits.
+    pub crc32: String,
+    /// Distance of neighbouring nodes, mm.
+    pub pitch_mm: f64,
+    /// Nodes along x and y.
+    pub nodes: [u16; 2],
+    /// Largest residual of the polynomial alone, µm.
+    pub polynomial_residual_max_um: f64,
+    /// Root of the mean square of it, µm.
+    pub polynomial_residual_rms_um: f64,
+    /// Residual of polynomial and grid.
+    #[serde(skip)]
+    pub residual: Residual,
+}
+
+impl ImportedGrid {
+    fn text(&self) -> String {
+        let [columns, rows] = self.nodes;
+        format!(
+            "{}: {columns} x {rows} nodes, {:.2} mm apart; the polynomial alone leaves {}",
+            self.file,
+            self.pitch_mm,
+            length::text(self.polynomial_residual_max_um / 1000.0)
+        )
+    }
+}
+
 impl ImportSummary {
     /// Returns the statement of an import: of the camera file with the bytes `written` from a file
     /// with the bytes `source`.
@@ -70,8 +106,9 @@ impl ImportSummary {
         source: &[u8],
         imported: &Imported,
         assumed: Assumed,
+        grid: Option<ImportedGrid>,
     ) -> Self {
-        let residual = imported.residual;
+        let residual = left(imported, grid.as_ref());
         Self {
             format: program.name(),
             camera: camera.name.clone(),
@@ -83,6 +120,7 @@ impl ImportSummary {
             residual_max_px: residual.largest_um / camera.sensor.pixel_um,
             at_mm: residual.at_mm,
             not_held: without_place(&imported.found.formula),
+            grid,
             assumed,
             notes: imported.found.notes.clone(),
             source_sha256: sha256(source),
@@ -114,6 +152,9 @@ impl ImportSummary {
                 ),
             ),
         ];
+        if let Some(grid) = &self.grid {
+            pairs.push(("residual grid", grid.text()));
+        }
         if !self.not_held.is_empty() {
             pairs.push(("fitted away", self.not_held.join(", ")));
         }
@@ -122,6 +163,11 @@ impl ImportSummary {
         pairs.push(("SHA-256", self.calibration_sha256.clone()));
         terminal::pairs(NAMES, pairs)
     }
+}
+
+/// Returns the residual that the camera file leaves.
+fn left(imported: &Imported, grid: Option<&ImportedGrid>) -> Residual {
+    grid.map_or(imported.residual, |grid| grid.residual)
 }
 
 const fn method(exact: bool) -> &'static str {
@@ -158,9 +204,15 @@ fn without_place(formula: &Formula) -> Vec<&'static str> {
 /// Returns the comments with which the camera file begins: source, hash, direction, what was fitted
 /// and what it leaves.
 #[must_use]
-pub fn comments(program: Program, file: &str, source: &[u8], imported: &Imported) -> Vec<String> {
+pub fn comments(
+    program: Program,
+    file: &str,
+    source: &[u8],
+    imported: &Imported,
+    grid: Option<&ImportedGrid>,
+) -> Vec<String> {
     let conventions = program.conventions();
-    let left = imported.residual;
+    let left = left(imported, grid);
     let pixel_um = 1e3 * imported.camera.pixel_mm;
     let fitted = without_place(&imported.found.formula);
     let mut lines = vec![
@@ -181,6 +233,9 @@ pub fn comments(program: Program, file: &str, source: &[u8], imported: &Imported
             residual(left.largest_um, left.rms_um, pixel_um, left.at_mm)
         ),
     ];
+    if let Some(grid) = grid {
+        lines.push(format!("Residual grid: {}", grid.text()));
+    }
     if !fitted.is_empty() {
         lines.push(format!("Without a place here: {}", fitted.join(", ")));
     }

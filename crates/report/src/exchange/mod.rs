@@ -6,7 +6,7 @@ mod import_summary;
 
 pub use export_summary::{ExportSummary, NotHeldSummary};
 pub use exported_flight::{ExportedFlight, RefusedTrigger};
-pub use import_summary::{Assumed, ImportSummary, comments};
+pub use import_summary::{Assumed, ImportSummary, ImportedGrid, comments};
 
 /// Columns of the names on a terminal.
 const NAMES: u16 = 16;

@@ -41,16 +41,27 @@ fn run(flight: &Flight, points: &[u8], more: &[&str]) -> (String, Vec<u8>) {
 
 #[test]
 fn rows_have_the_bytes_of_single_calls() {
+    // More points than a block has, and fewer than the vectors take.
+    assert_bytes_of_single_calls(5, |sequence| if sequence % 2 == 0 { 9_001 } else { 17 });
+}
+
+#[test]
+#[ignore = "ten thousand processes, some minutes"]
+fn rows_of_1e4_frames_have_the_bytes_of_1e4_single_calls() {
+    assert_bytes_of_single_calls(10_000, |_| 1_000);
+}
+
+/// Corrects frames in one call and one after the other, and compares the bytes.
+fn assert_bytes_of_single_calls(frames: u16, points: impl Fn(u16) -> usize) {
     let bench = Bench::with(CAMERA, b"");
     let mut random = fastrand::Rng::with_seed(9);
     let mut table = String::from("sequence,vh,exposure,focus_shift_um\n");
     let (mut rows, mut expected) = (Vec::new(), Vec::new());
-    for sequence in 1_u16..=5 {
-        let shift = f32::from(sequence) - 2.0;
+    for sequence in 1..=frames {
+        let shift = f32::from(sequence % 50) - 2.0;
         writeln!(table, "{sequence},0.1,1/200,{shift}").unwrap();
         let mut single = Vec::new();
-        // More points than a block has, and fewer than the vectors take.
-        let count = if sequence % 2 == 0 { 9_001 } else { 17 };
+        let count = points(sequence);
         for _ in 0..count {
             let point = [(); 2].map(|()| 80.0 * (random.f32() - 0.5));
             rows.extend(
@@ -82,10 +93,9 @@ fn rows_have_the_bytes_of_single_calls() {
     let files = ["points.npy", "--out", "all.npy"];
     bench.run(&[&arguments[..], &files].concat()).ok();
     let (header, all) = parts(&fs::read(bench.path("all.npy")).unwrap());
-    assert!(
-        header.contains("'descr': '<f4', 'fortran_order': False, 'shape': (18053, 4, )"),
-        "{header}"
-    );
+    let shape = format!("'shape': ({}, 4, )", rows.len() / 12);
+    let shape = format!("'descr': '<f4', 'fortran_order': False, {shape}");
+    assert!(header.contains(&shape), "{header}");
     assert!(all == expected, "not the same bytes");
 }
 

@@ -3,4 +3,5 @@
 pub mod intersection;
 pub mod network_orientation;
 pub mod resection;
+pub mod similarity;
 pub mod three_points;

@@ -4,10 +4,13 @@ use std::collections::HashMap;
 
 use nalgebra::Vector3;
 
+use crate::bundle::interior::Interior;
 use crate::bundle::network::{ImagePoint, Network, PointRole};
+use crate::bundle::pose::Pose;
 
 use super::intersection::intersected;
 use super::resection::{KnownPoint, resected};
+use super::similarity::vertical;
 
 /// Rounds of orientation and intersection.
 const MOST_ROUNDS: usize = 100;
@@ -19,6 +22,9 @@ pub struct Unoriented {
     pub images: Vec<usize>,
     /// Numbers of the points seen by two images at least whose rays do not meet.
     pub points: Vec<usize>,
+    /// Numbers of the images that were taken for vertical ones, since they show fewer than four
+    /// points with coordinates.
+    pub taken_for_vertical: Vec<usize>,
 }
 
 /// Values known before the adjustment.
@@ -34,15 +40,25 @@ pub struct KnownValues {
 ///
 /// # Model
 /// Images are resected from at least four points with coordinates, points intersected from two
-/// images at least, in turn until nothing changes.
+/// images at least, in turn until nothing changes. Images that are left then, with two known points
+/// at least, are taken for vertical ones.
 pub fn orient(network: &mut Network, mut known: KnownValues) -> Unoriented {
     let by_image = places_by_image(network);
+    let mut taken_for_vertical = Vec::new();
     for _ in 0..MOST_ROUNDS {
-        let oriented = orient_images(network, &mut known, &by_image);
+        let by_resection = |interior: &Interior, points: &[KnownPoint]| {
+            resected(interior, points).map(|resected| resected.pose)
+        };
+        let oriented = orient_images(network, &mut known, &by_image, by_resection);
         let intersected = intersect_points(network, &mut known);
-        if !oriented && !intersected {
+        if !oriented.is_empty() || intersected {
+            continue;
+        }
+        let taken = orient_images(network, &mut known, &by_image, vertical);
+        if taken.is_empty() {
             break;
         }
+        taken_for_vertical.extend(taken);
     }
     let unknown = |flags: &[bool]| {
         let numbers = flags.iter().enumerate();
@@ -53,6 +69,7 @@ pub fn orient(network: &mut Network, mut known: KnownValues) -> Unoriented {
     Unoriented {
         images: unknown(&known.images),
         points: unknown(&known.points),
+        taken_for_vertical,
     }
 }
 
@@ -70,7 +87,13 @@ fn is_known(flags: &[bool], number: usize) -> bool {
     flags.get(number).copied().unwrap_or(false)
 }
 
-fn orient_images(network: &mut Network, known: &mut KnownValues, by_image: &[Vec<usize>]) -> bool {
+/// Finds poses of images that have none; returns their numbers.
+fn orient_images(
+    network: &mut Network,
+    known: &mut KnownValues,
+    by_image: &[Vec<usize>],
+    pose: impl Fn(&Interior, &[KnownPoint]) -> Option<Pose>,
+) -> Vec<usize> {
     let mut found = HashMap::new();
     for (number, places) in by_image.iter().enumerate() {
         if is_known(&known.images, number) {
@@ -88,8 +111,8 @@ fn orient_images(network: &mut Network, known: &mut KnownValues, by_image: &[Vec
                 })
             })
             .collect();
-        if let Some(resected) = resected(&network.parameters.interior, &points) {
-            found.insert(number, resected.pose);
+        if let Some(pose) = pose(&network.parameters.interior, &points) {
+            found.insert(number, pose);
         }
     }
     for (number, image) in network.images.iter_mut().enumerate() {
@@ -98,7 +121,9 @@ fn orient_images(network: &mut Network, known: &mut KnownValues, by_image: &[Vec
             *flag = true;
         }
     }
-    !found.is_empty()
+    let mut numbers: Vec<usize> = found.into_keys().collect();
+    numbers.sort_unstable();
+    numbers
 }
 
 fn intersect_points(network: &mut Network, known: &mut KnownValues) -> bool {

@@ -52,13 +52,13 @@ pub fn svg(result: &CalibrationResult) -> Result<String, FigureError> {
         );
         canvas.draw(&Text::new(title, (20, 28), text(TITLE)))?;
         let entries = [
-            ("image", STATION),
-            ("point", NEW),
-            ("control", CONTROL),
-            ("check point", CHECK),
+            ("image", STATION, Mark::Triangle),
+            ("point", NEW, Mark::Cross),
+            ("control", CONTROL, Mark::Cross),
+            ("check point", CHECK, Mark::Cross),
         ];
-        let entries = entries.map(|(words, colour)| Entry {
-            mark: Mark::Dot,
+        let entries = entries.map(|(words, colour, mark)| Entry {
+            mark,
             colour,
             words,
         });

@@ -1,0 +1,6 @@
+//! The library for C against the library in Rust, and its header against its sources.
+
+#[cfg(test)]
+mod example;
+#[cfg(test)]
+mod header;
