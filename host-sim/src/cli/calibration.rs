@@ -70,15 +70,15 @@ pub enum CalibrationMethod {
     /// Offset and gain of every pixel of a camera of several detectors, from flats and darks.
     ///
     /// Saturated samples are left out pixel by pixel; defective pixels are listed. Figures in the
-    /// terms of EMVA 1288: gain, noise of reading, PRNU, DSNU. A non-uniformity of the source goes in
-    /// unseen.
+    /// terms of EMVA 1288: gain, noise of reading, PRNU, DSNU. A non-uniformity of the source goes
+    /// in unseen.
     #[command(after_help = examples::CALIBRATE_RADIOMETRY)]
     Radiometry(RadiometryArgs),
     /// Polynomials of the sub-images of a camera of several detectors, from control and ties.
     ///
-    /// The orientations of the exposures are estimated, so that relief drops out and the polynomials
-    /// are the camera's. What control cannot separate from the orientations stays nominal and is
-    /// named.
+    /// The orientations of the exposures are estimated, so that relief drops out and the
+    /// polynomials are the camera's. What control cannot separate from the orientations stays
+    /// nominal and is named.
     #[command(after_help = examples::CALIBRATE_RIG)]
     Rig(RigArgs),
 }

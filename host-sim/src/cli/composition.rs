@@ -39,7 +39,7 @@ pub struct DmzSceneArgs {
     /// Folder for the scene; made if it does not exist.
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
-    /// What the scene is like.
+    /// Properties of the scene.
     #[command(flatten)]
     pub scene: SceneOptions,
     /// Dark frames of each detector, 1 to 64.
@@ -47,7 +47,7 @@ pub struct DmzSceneArgs {
     pub darks: u8,
 }
 
-/// What a scene is like.
+/// Properties of a scene.
 #[derive(Debug, Clone, Args)]
 pub struct SceneOptions {
     /// Pixels so many times as wide, so many times fewer, and flown so many times lower: the ground
@@ -130,8 +130,8 @@ pub struct RigArgs {
     /// Ties (CSV): `id,image,col_px,row_px`, one id in two images; optional `exposure`.
     #[arg(long, value_name = "FILE")]
     pub ties: Option<PathBuf>,
-    /// Folder for rig.toml with the polynomials, residuals.csv, residuals.svg and summary.json; made
-    /// if it does not exist.
+    /// Folder for rig.toml with the polynomials, residuals.csv, residuals.svg and summary.json;
+    /// made if it does not exist.
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
     /// Project control with its height by the orientation of its exposure, or lead to X, Y of the
@@ -175,8 +175,8 @@ pub struct VirtualArgs {
     /// if it does not exist.
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
-    /// Rectify each sub-image by its polynomial, or shift them to a mosaic and rectify that with one
-    /// polynomial of degree 3.
+    /// Rectify each sub-image by its polynomial, or shift them to a mosaic and rectify that with
+    /// one polynomial of degree 3.
     #[arg(long, value_name = "ORDER", default_value = "rectify-first")]
     pub order: OrderName,
     /// Kernel.
@@ -230,7 +230,7 @@ pub struct DmzArgs {
     /// exist.
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
-    /// What the scene is like.
+    /// Properties of the scene.
     #[command(flatten)]
     pub scene: SceneOptions,
 }

@@ -156,11 +156,11 @@ pub enum Command {
     Scene(SceneArgs),
     /// Compose the sub-images of an exposure to one virtual image, without distortion.
     ///
-    /// Each sub-image is resampled once, by the polynomial of `calibrate rig`; neighbours are joined
-    /// at the seam of least cost and mixed within 5 px of it. The report has the steps at the seams
-    /// by least-squares matching, in pixels and grey values, and the registration to green. With a
-    /// rig of `--heights ignore` the virtual image is made by that registration, as Zhao et al. 2013
-    /// do.
+    /// Each sub-image is resampled once, by the polynomial of `calibrate rig`; neighbours are
+    /// joined at the seam of least cost and mixed within 5 px of it. The report has the steps at
+    /// the seams by least-squares matching, in pixels and grey values, and the registration to
+    /// green. With a rig of `--heights ignore` the virtual image is made by that registration, as
+    /// Zhao et al. 2013 do.
     #[command(after_help = examples::VIRTUAL)]
     Virtual(VirtualArgs),
     /// Adjust two virtual images of one ground over control and check points.

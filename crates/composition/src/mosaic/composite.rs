@@ -6,7 +6,7 @@ use super::layer::Layer;
 use super::seam::{cheapest_path, cost};
 use crate::image::Plane;
 use crate::number::{grey, real};
-use crate::rig::{Frame, Rig};
+use crate::rig::{Rig, VirtualSize};
 
 /// Layers joined: grey values, and the number of the sub-image that each pixel is of, from 1; 0
 /// where there is none.
@@ -194,7 +194,7 @@ impl Composite {
     }
 
     /// Returns the composite over the whole frame.
-    fn in_frame(self, frame: Frame) -> Self {
+    fn in_frame(self, frame: VirtualSize) -> Self {
         let plane = Plane::of_rows(frame.width_px, frame.height_px, |row| {
             (0..frame.width_px)
                 .map(|col| self.layer.at(col, row))

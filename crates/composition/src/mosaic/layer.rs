@@ -5,7 +5,7 @@ use fmc_camera_kernel::resampling::{Band, Kernel, PLACE_BITS, Resampler, Run};
 use super::geometry::Geometry;
 use crate::image::Plane;
 use crate::number::{real, whole};
-use crate::rig::Frame;
+use crate::rig::VirtualSize;
 
 /// Pixels between exact places, between which they are linear: the quadratic rest of a lens of 1 %
 /// over 900 px is 0.0005 px.
@@ -25,7 +25,7 @@ impl Layer {
     /// none.
     #[must_use]
     pub fn resampled(
-        frame: Frame,
+        frame: VirtualSize,
         image: &Plane,
         geometry: &Geometry,
         kernel: Kernel,
@@ -75,7 +75,7 @@ impl Layer {
 
 /// Returns the first pixel, and the one behind the last, of the virtual image that a sub-image
 /// covers.
-fn covered(frame: Frame, geometry: &Geometry) -> Option<[[usize; 2]; 2]> {
+fn covered(frame: VirtualSize, geometry: &Geometry) -> Option<[[usize; 2]; 2]> {
     let [width, height] = geometry.size_px;
     let (mut least, mut most) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
     let edges = (0..=64).flat_map(|step| {

@@ -14,7 +14,7 @@ const LEAST_RATIO: f64 = 1.2;
 const LEAST_SETS: usize = 3;
 
 /// A frame that is read row by row.
-pub trait FrameRows {
+pub trait SampleRows {
     /// Name for messages.
     fn name(&self) -> &str;
 
@@ -87,7 +87,7 @@ impl Levels {
 /// # Errors
 /// [`InputError`] naming the files: fewer than 3 flats or no dark, saturated flats, a dark brighter
 /// than a flat, or what the reader refuses.
-pub fn levels<R: FrameRows>(
+pub fn levels<R: SampleRows>(
     [width, height]: [usize; 2],
     flats: &mut [R],
     darks: &mut [R],
@@ -152,7 +152,7 @@ pub fn levels<R: FrameRows>(
 }
 
 /// Reads the mean of the next row of all darks.
-pub(super) fn dark_row<R: FrameRows>(darks: &mut [R], mean: &mut [f64]) -> Result<(), InputError> {
+pub(super) fn dark_row<R: SampleRows>(darks: &mut [R], mean: &mut [f64]) -> Result<(), InputError> {
     let mut row = vec![0; mean.len()];
     mean.fill(0.0);
     let part = 1.0 / real(darks.len().max(1));

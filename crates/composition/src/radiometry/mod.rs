@@ -7,5 +7,5 @@ mod response;
 
 pub use correction::{Correction, GAIN_UNIT, OFFSET_UNIT, OFFSET_ZERO};
 pub use falloff::Falloff;
-pub use flats::{FrameRows, Levels, SATURATION_DN, levels};
+pub use flats::{Levels, SATURATION_DN, SampleRows, levels};
 pub use response::{DetectorFigures, Method, Response, correction, response};

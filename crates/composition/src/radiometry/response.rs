@@ -4,7 +4,7 @@ use fmc_camera_file::InputError;
 
 use super::correction::Correction;
 use super::falloff::{Falloff, Sample, cos_fourth};
-use super::flats::{FrameRows, dark_row};
+use super::flats::{SampleRows, dark_row};
 use crate::number::{median, real, single};
 use crate::rig::{Rig, SubImage};
 
@@ -14,7 +14,7 @@ const BLOCK_PX: usize = 16;
 const DEFECT: f64 = 6.0;
 /// Residual of a set beyond its noise, part of its level, from which it is not flat.
 const NOT_FLAT: f64 = 0.02;
-/// What the falloff may leave, part of the axis, in blocks.
+/// Largest misfit of the falloff in blocks, part of the axis.
 const NO_FALLOFF: f64 = 0.05;
 
 /// Method of the correction.
@@ -67,7 +67,7 @@ pub struct DetectorFigures {
 ///
 /// # Errors
 /// [`InputError`] naming a set that is not flat, or what the reader refuses.
-pub fn response<R: FrameRows>(
+pub fn response<R: SampleRows>(
     rig: &Rig,
     sub: &SubImage,
     levels_dn: &[f64],
@@ -156,7 +156,7 @@ impl Transfer {
 }
 
 impl Response {
-    fn check_flats<R: FrameRows>(flats: &[R], transfer: &[Transfer]) -> Result<(), InputError> {
+    fn check_flats<R: SampleRows>(flats: &[R], transfer: &[Transfer]) -> Result<(), InputError> {
         for (flat, set) in flats.iter().zip(transfer) {
             // No detector has fewer than 1000 electrons of a full scale of 14 bits.
             let noise = 16.0 * set.mean_dn() + 400.0;

@@ -27,8 +27,8 @@ use system::{HELD_PX, System};
 /// `P_a = P_b` of a tie, since all sub-images have one projection centre. Both are linear in the
 /// coefficients; the orientations are linearised. The mean place, the turn and, where the data do
 /// not tell them, the scale and the keystone of all sub-images together stay nominal: what is left
-/// of them goes into the orientations. With [`Heights::Ignore`] (Zhao et al. 2013) `(u, v)` are X, Y
-/// of the ground by a similarity, and no orientation is estimated.
+/// of them goes into the orientations. With [`Heights::Ignore`] (Zhao et al. 2013) `(u, v)` are X
+/// and Y of the ground by a similarity, and no orientation is estimated.
 ///
 /// # Errors
 /// [`InputError`] naming the point, the sub-image or the exposure: what

@@ -25,7 +25,7 @@ pub struct ControlPoint {
     pub id: String,
     /// Exposure that shows it.
     pub exposure: String,
-    /// Where it was measured.
+    /// Place that was measured.
     pub place: Place,
     /// Ground coordinates, m.
     pub ground_m: [f64; 3],

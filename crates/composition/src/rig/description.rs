@@ -23,8 +23,8 @@ pub struct Rig {
     pub pixel_um: f64,
     /// Virtual image; its principal point is its centre.
     #[serde(rename = "virtual")]
-    pub frame: Frame,
-    /// What the polynomials mean; absent until calibrated.
+    pub frame: VirtualSize,
+    /// Meaning of the polynomials; absent until calibrated.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub calibration: Option<CalibrationTable>,
     /// Sub-images.
@@ -37,7 +37,7 @@ pub struct Rig {
 /// Size of the virtual image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Frame {
+pub struct VirtualSize {
     /// Columns.
     pub width_px: usize,
     /// Rows.
@@ -55,7 +55,7 @@ pub enum Heights {
     Ignore,
 }
 
-/// What the polynomials mean.
+/// Meaning of the polynomials.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CalibrationTable {
@@ -124,7 +124,7 @@ impl SubImage {
 
     /// Returns the nominal polynomial: a shift.
     #[must_use]
-    pub fn nominal(&self, frame: Frame) -> Polynomial {
+    pub fn nominal(&self, frame: VirtualSize) -> Polynomial {
         let half = real(self.height_px) / 2.0;
         let degree = *DEGREES.start();
         // W/2 is half a pixel right of the middle of the pixels.
@@ -148,7 +148,7 @@ impl SubImage {
     }
 }
 
-impl Frame {
+impl VirtualSize {
     /// Place of the centre, px.
     #[must_use]
     pub fn centre_px(&self) -> [f64; 2] {

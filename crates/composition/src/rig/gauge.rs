@@ -1,4 +1,4 @@
-//! What all polynomials and an orientation have in common.
+//! Movements that all polynomials and an orientation have in common.
 
 use super::control::Place;
 use super::description::Rig;
@@ -42,7 +42,7 @@ impl Movement {
         matches!(self, Self::Right | Self::Down | Self::Turn)
     }
 
-    /// What it stands for, in words.
+    /// The quantity that it stands for, in words.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {

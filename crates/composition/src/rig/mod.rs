@@ -9,6 +9,6 @@ mod normals;
 pub mod polynomial;
 pub(crate) mod start;
 
-pub use description::{CalibrationTable, Frame, Heights, Rig, SubImage};
+pub use description::{CalibrationTable, Heights, Rig, SubImage, VirtualSize};
 pub use gauge::Movement;
 pub use green::{Distortion, Green};

@@ -39,7 +39,7 @@ pub struct Exposure {
 /// A synthetic camera over ground of known relief and grey values.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scene {
-    /// What was asked for.
+    /// Choices that were asked for.
     pub request: SceneRequest,
     /// Nominal rig.
     pub rig: Rig,

@@ -67,8 +67,8 @@ impl Scene {
     }
 
     /// Returns what a correction leaves of a flat without noise at a mean level, part of the full
-    /// scale: root mean square of the deviations from the mean, part of it, defects left out. `None`
-    /// of a correction of another size.
+    /// scale: root mean square of the deviations from the mean, part of it, defects left out.
+    /// `None` of a correction of another size.
     #[must_use]
     pub fn uniformity(
         &self,

@@ -1,7 +1,7 @@
-//! What a synthetic camera and its flight are made of.
+//! Choices of a synthetic camera and its flight.
 
 use crate::number::real;
-use crate::rig::{Frame, Green, Rig, SubImage};
+use crate::rig::{Green, Rig, SubImage, VirtualSize};
 
 /// Sub-images side by side, and one above the other.
 const COLUMNS: usize = 3;
@@ -83,7 +83,7 @@ impl SceneRequest {
             .overlap_px
             .unwrap_or((OVERLAP_PX / scale).max(least))
             .min(width.min(height) - 1);
-        let frame = Frame {
+        let frame = VirtualSize {
             width_px: COLUMNS * width - (COLUMNS - 1) * overlap,
             height_px: ROWS * height - (ROWS - 1) * overlap,
         };

@@ -39,7 +39,7 @@ pub struct StereoRequest {
     pub sigma_px: f64,
     /// σ of a coordinate of control, m.
     pub control_sigma_m: f64,
-    /// Which marks are control.
+    /// Choice of the marks that are control.
     pub layout: Layout,
 }
 

@@ -1,4 +1,4 @@
-//! Which of the marks are control.
+//! Choice of the marks that are control.
 
 /// Layouts of Zhao et al. 2013.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

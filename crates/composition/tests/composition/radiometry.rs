@@ -3,7 +3,7 @@
 use fmc_camera_file::InputError;
 use fmc_composition::image::Plane;
 use fmc_composition::radiometry::{
-    Correction, DetectorFigures, Falloff, FrameRows, Levels, Method, SATURATION_DN, correction,
+    Correction, DetectorFigures, Falloff, Levels, Method, SATURATION_DN, SampleRows, correction,
     levels, response,
 };
 use fmc_composition::rig::Rig;
@@ -16,7 +16,7 @@ struct Rows {
     next: usize,
 }
 
-impl FrameRows for Rows {
+impl SampleRows for Rows {
     fn name(&self) -> &str {
         &self.name
     }

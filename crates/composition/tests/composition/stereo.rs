@@ -20,8 +20,8 @@ fn repetitions(layout: Layout, base: BaseAlong) -> Repetitions {
     repeated(&rig, scene.height_m(), base, &request, 40, 3).unwrap()
 }
 
-/// IMAGES, section 9, at B/H 0.40: plane 0.17 and 0.15 m, height 0.36 and 0.32 m; at 0.34 plane 0.19
-/// and 0.16 m, height 0.41 and 0.37 m.
+/// Computed independently, at B/H 0.40: plane 0.17 and 0.15 m, height 0.36 and 0.32 m; at 0.34
+/// plane 0.19 and 0.16 m, height 0.41 and 0.37 m.
 #[test]
 fn check_points_err_as_the_pair_lets_expect() {
     let mut planes = Vec::new();

@@ -11,7 +11,7 @@ use crate::page::{PageError, inline};
 pub struct CompositionPage {
     /// Title.
     pub title: String,
-    /// What was found, a sentence each.
+    /// Findings, a sentence each.
     pub findings: Vec<String>,
     /// Parts of the page.
     pub sections: Vec<Section>,
@@ -28,7 +28,7 @@ pub struct Section {
     pub columns: Vec<String>,
     /// Rows of the table.
     pub rows: Vec<Vec<String>>,
-    /// What it means.
+    /// Meaning of the table.
     pub caption: String,
     /// A figure in SVG.
     pub figure: Option<String>,

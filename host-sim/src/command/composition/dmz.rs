@@ -40,7 +40,7 @@ struct Check {
     passed: bool,
 }
 
-/// What is found along the way.
+/// Findings along the way.
 #[derive(Debug, Default)]
 struct Findings {
     checks: Vec<Check>,

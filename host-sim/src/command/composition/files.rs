@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use fmc_camera_file::InputError;
 use fmc_composition::image::Plane;
-use fmc_composition::radiometry::FrameRows;
+use fmc_composition::radiometry::SampleRows;
 use fmc_composition::rig::Rig;
 use fmc_composition::rig::control::{ControlPoint, Measurements, Place, Tie};
 use fmc_raster::{FrameReader, ReadError};
@@ -74,7 +74,7 @@ impl OpenImage {
     }
 }
 
-impl FrameRows for OpenImage {
+impl SampleRows for OpenImage {
     fn name(&self) -> &str {
         &self.name
     }

@@ -123,7 +123,7 @@ struct Description<'a> {
     source: &'static str,
 }
 
-/// What is read of it.
+/// Part of it that is read.
 #[derive(Debug, Deserialize)]
 struct Known {
     method: Method,

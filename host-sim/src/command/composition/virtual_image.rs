@@ -37,7 +37,7 @@ pub(super) struct Composed {
     pub(super) ties: Vec<Tie>,
 }
 
-/// How an exposure is composed.
+/// Choices of a composition.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Choices {
     pub(super) order: OrderName,
@@ -404,7 +404,7 @@ impl Summary {
         }
     }
 
-    /// What was found, a line each.
+    /// Findings, a line each.
     pub(super) fn lines(&self) -> Vec<String> {
         let mut lines = Vec::new();
         if self.heights == Some(Heights::Ignore) {

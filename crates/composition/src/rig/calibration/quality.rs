@@ -1,4 +1,4 @@
-//! What a calibration is worth, and when it is refused.
+//! Quality of a calibration, and its refusal.
 
 use fmc_camera_file::InputError;
 
@@ -24,7 +24,8 @@ pub(super) fn result(
     let observations = 2 * system.numbers().count();
     let held = movements.iter().filter(|one| one.held).count();
     let redundancy = (observations + held).saturating_sub(system.unknowns());
-    // What orientations take up is no uncertainty of the rig: σ is that of held movements.
+    // Orientations take the movements up, which are no uncertainty of the rig: σ is that of
+    // held movements.
     let normals = system.normals(state, &vec![HELD_PX; system.functionals.len()]);
     let solved = normals
         .solve()

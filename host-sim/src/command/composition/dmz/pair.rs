@@ -17,7 +17,7 @@ use crate::failure::Failure;
 const REPETITIONS: usize = 40;
 const STEREO_PX: f64 = 0.3;
 const CONTROL_M: f64 = 0.05;
-/// What check points may err in the plane and in height, m.
+/// Ranges of the error of check points in the plane and in height, m.
 const PLANE_M: [f64; 2] = [0.15, 0.20];
 const HEIGHT_M: [f64; 2] = [0.32, 0.41];
 /// The stereo check, repeated, and of the composed pair.
