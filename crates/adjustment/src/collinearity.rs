@@ -1,8 +1,22 @@
-//! Collinearity equations, and the ray back to the ground.
+//! Collinearity equations, their Jacobian, and the ray back to the ground.
 
-use nalgebra::Vector3;
+use nalgebra::{Matrix2x3, SMatrix, Vector2, Vector3};
 
-use crate::exterior_orientation::ExteriorOrientation;
+use crate::exterior_orientation::{ELEMENTS, ExteriorOrientation};
+
+/// Derivatives of an image point by the six elements of the exterior orientation, mm/m and mm/rad.
+pub type OrientationJacobian = SMatrix<f64, 2, ELEMENTS>;
+
+/// An image point with its derivatives.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Projection {
+    /// Ideal image point from the principal point, mm.
+    pub image_mm: Vector2<f64>,
+    /// Derivatives with respect to the exterior orientation.
+    pub by_orientation: OrientationJacobian,
+    /// Derivatives with respect to the ground point, mm/m.
+    pub by_ground: Matrix2x3<f64>,
+}
 
 /// Returns the ideal image of a ground point, from the principal point, mm; `None` for a point that
 /// is not below the lens.
@@ -29,6 +43,47 @@ pub fn image_point(
     (in_camera.z < 0.0).then(|| {
         let scale = -principal_distance_mm / in_camera.z;
         [scale * in_camera.x, scale * in_camera.y]
+    })
+}
+
+/// Returns the image point with its analytic Jacobian; `None` as for [`image_point`].
+///
+/// # Accuracy
+/// Agrees with numeric differences to 1e-7 relative (`jacobian_agrees_with_numeric_differences`).
+#[must_use]
+pub fn projection(
+    orientation: &ExteriorOrientation,
+    principal_distance_mm: f64,
+    ground_m: [f64; 3],
+) -> Option<Projection> {
+    let [x, y] = image_point(orientation, principal_distance_mm, ground_m)?;
+    let in_camera = in_camera(orientation, ground_m);
+    let scale = -principal_distance_mm / in_camera.z;
+    // d(-f·P_x/P_z) = scale·(dP_x + (x/f)·dP_z).
+    let by_camera = scale
+        * Matrix2x3::new(
+            1.0,
+            0.0,
+            x / principal_distance_mm,
+            0.0,
+            1.0,
+            y / principal_distance_mm,
+        );
+    let by_ground = by_camera * orientation.ground_from_camera().transpose();
+    let from_centre = Vector3::from(ground_m) - orientation.position();
+    let mut by_orientation = OrientationJacobian::zeros();
+    by_orientation
+        .fixed_columns_mut::<3>(0)
+        .copy_from(&-by_ground);
+    for (angle, derivative) in orientation.rotation_derivatives().iter().enumerate() {
+        by_orientation
+            .fixed_columns_mut::<1>(3 + angle)
+            .copy_from(&(by_camera * (derivative.transpose() * from_centre)));
+    }
+    Some(Projection {
+        image_mm: Vector2::new(x, y),
+        by_orientation,
+        by_ground,
     })
 }
 
@@ -63,6 +118,38 @@ mod tests {
         position_m: [1200.0, -300.0, 2000.0],
         attitude: [0.03, -0.02, 2.5],
     };
+
+    #[test]
+    fn jacobian_agrees_with_numeric_differences() {
+        for ground in [
+            [900.0, 100.0, 80.0],
+            [1500.0, -900.0, -20.0],
+            [1200.0, -300.0, 0.0],
+        ] {
+            let analytic = projection(&ORIENTATION, F_MM, ground).unwrap();
+            for element in 0..ELEMENTS {
+                let step = if element < 3 { 1e-2 } else { 1e-6 };
+                let at = |sign: f64| {
+                    let mut elements = ORIENTATION.elements();
+                    elements[element] += sign * step;
+                    let moved = ExteriorOrientation::from_elements(&elements);
+                    Vector2::from(image_point(&moved, F_MM, ground).unwrap())
+                };
+                let numeric = (at(1.0) - at(-1.0)) / (2.0 * step);
+                let column = analytic.by_orientation.column(element);
+                assert!((numeric - column).norm() < 1e-7 * (1.0 + column.norm()));
+            }
+            for axis in 0..3 {
+                let at = |sign: f64| {
+                    let mut moved = ground;
+                    moved[axis] += sign * 1e-2;
+                    Vector2::from(image_point(&ORIENTATION, F_MM, moved).unwrap())
+                };
+                let numeric = (at(1.0) - at(-1.0)) / 2e-2;
+                assert!((numeric - analytic.by_ground.column(axis)).norm() < 1e-8);
+            }
+        }
+    }
 
     #[test]
     fn ray_returns_to_the_ground_point() {

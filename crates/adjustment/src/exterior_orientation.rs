@@ -57,6 +57,20 @@ impl ExteriorOrientation {
         let [pitch, roll, yaw] = self.attitude;
         about_z(yaw) * about_x(pitch) * about_y(roll)
     }
+
+    /// Returns the derivatives of [`Self::ground_from_camera`] with respect to pitch, roll and yaw.
+    #[must_use]
+    pub fn rotation_derivatives(&self) -> [Matrix3<f64>; 3] {
+        let [pitch, roll, yaw] = self.attitude;
+        // d/dα of a rotation about an axis is the rotation multiplied from the left by the axis'
+        // cross product.
+        let [x, y, z] = [Vector3::x(), Vector3::y(), Vector3::z()].map(|axis| axis.cross_matrix());
+        [
+            about_z(yaw) * x * about_x(pitch) * about_y(roll),
+            about_z(yaw) * about_x(pitch) * y * about_y(roll),
+            z * self.ground_from_camera(),
+        ]
+    }
 }
 
 fn about_x(angle: f64) -> Matrix3<f64> {
@@ -94,5 +108,23 @@ mod tests {
             attitude: [0.0, 0.0, 0.1],
         };
         assert!((turned.ground_from_camera() * Vector3::y()).x < -0.09);
+    }
+
+    #[test]
+    fn derivatives_are_the_limits_of_differences() {
+        let orientation = ExteriorOrientation {
+            position_m: [1.0, 2.0, 3.0],
+            attitude: [0.05, -0.03, 2.1],
+        };
+        let step = 1e-6;
+        for (angle, derivative) in orientation.rotation_derivatives().iter().enumerate() {
+            let at = |sign: f64| {
+                let mut moved = orientation;
+                moved.attitude[angle] += sign * step;
+                moved.ground_from_camera()
+            };
+            let difference = (at(1.0) - at(-1.0)) / (2.0 * step);
+            assert!((difference - derivative).norm() < 1e-9);
+        }
     }
 }

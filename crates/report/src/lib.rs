@@ -12,6 +12,7 @@ pub mod calibration;
 pub mod calibration_identity;
 pub mod camera_status;
 pub mod chart;
+pub mod composition;
 pub mod exchange;
 pub mod figure;
 pub mod hash;

@@ -9,7 +9,7 @@ use fmc_adjustment::calibration::dlt3d::COEFFICIENT_NAMES;
 use fmc_adjustment::grid::polynomial;
 
 use super::number::positive;
-use super::{ADVANCED, BundleArgs, ResectionArgs, examples};
+use super::{ADVANCED, BundleArgs, RadiometryArgs, ResectionArgs, RigArgs, examples};
 
 /// Arguments of `calibrate`.
 #[derive(Debug, Args)]
@@ -67,6 +67,20 @@ pub enum CalibrationMethod {
     /// table `grid`. docs/calibration.md says how a distortion table is measured.
     #[command(after_help = examples::CALIBRATE_GRID)]
     Grid(GridArgs),
+    /// Offset and gain of every pixel of a camera of several detectors, from flats and darks.
+    ///
+    /// Saturated samples are left out pixel by pixel; defective pixels are listed. Figures in the
+    /// terms of EMVA 1288: gain, noise of reading, PRNU, DSNU. A non-uniformity of the source goes
+    /// in unseen.
+    #[command(after_help = examples::CALIBRATE_RADIOMETRY)]
+    Radiometry(RadiometryArgs),
+    /// Polynomials of the sub-images of a camera of several detectors, from control and ties.
+    ///
+    /// The orientations of the exposures are estimated, so that relief drops out and the
+    /// polynomials are the camera's. What control cannot separate from the orientations stays
+    /// nominal and is named.
+    #[command(after_help = examples::CALIBRATE_RIG)]
+    Rig(RigArgs),
 }
 
 /// Files that the methods share.

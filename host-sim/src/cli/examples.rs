@@ -232,6 +232,41 @@ pub(super) const CAMERA_FILE_CHECK: &str = "\
 Examples:
   host-sim camera-file check host-sim/cameras/rc30-5324.toml";
 
+pub(super) const SCENE_DMZ: &str = "\
+Examples:
+  host-sim scene dmz --out scene
+  host-sim scene dmz --scale 16 --relief 30 --seed 2 --out scene";
+
+pub(super) const CALIBRATE_RADIOMETRY: &str = "\
+Examples:
+  host-sim calibrate radiometry --rig scene/rig.toml --out radiometry scene
+  host-sim calibrate radiometry --rig scene/rig.toml --method template \\
+      --out template scene";
+
+pub(super) const CALIBRATE_RIG: &str = "\
+Examples:
+  host-sim calibrate rig --rig scene/rig.toml --ties scene/ties.csv \\
+      --out rig scene/control.csv
+  host-sim calibrate rig --rig scene/rig.toml --heights ignore \\
+      --exposure 8_10 --ties scene/ties.csv --out ground scene/control.csv";
+
+pub(super) const VIRTUAL: &str = "\
+Examples:
+  host-sim virtual --rig rig/rig.toml --radiometry radiometry \\
+      --out virtual scene/8_10
+  host-sim virtual --rig rig/rig.toml --order mosaic-first --out shifted \\
+      scene/8_10";
+
+pub(super) const STEREO: &str = "\
+Examples:
+  host-sim stereo --rig rig/rig.toml --marks marks.csv 8_10/virtual.tif \\
+      8_11/virtual.tif";
+
+pub(super) const DMZ: &str = "\
+Examples:
+  host-sim dmz --out dmz
+  host-sim dmz --scale 4 --relief 10 --out dmz";
+
 #[cfg(test)]
 mod tests {
     use std::collections::BTreeSet;

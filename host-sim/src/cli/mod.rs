@@ -9,6 +9,7 @@ mod calibration;
 mod camera;
 mod camera_file;
 mod certificate;
+mod composition;
 mod examples;
 mod exchange;
 mod exposure;
@@ -35,6 +36,10 @@ pub use camera::{CameraAction, CameraArgs, ExposureTimeArgs, PrepareArgs, Status
 pub use camera_file::{CameraFileAction, CameraFileArgs};
 pub use certificate::{
     CertificateAction, CertificateArgs, CertificateFolderArgs, MakeCertificateArgs,
+};
+pub use composition::{
+    DmzArgs, DmzSceneArgs, HeightsName, OrderName, RadiometryArgs, RadiometryMethod, RigArgs,
+    SceneArgs, SceneCamera, SceneOptions, StereoArgs, VirtualArgs,
 };
 pub use exchange::{ContainerName, ExportArgs, ImportArgs, SignName};
 pub use exposure::{DirectionName, ExposureArgs, FocusSignName, ModelName};
@@ -147,6 +152,30 @@ pub enum Command {
     /// all bands of either image have no content.
     #[command(after_help = examples::COMPARE)]
     Compare(CompareArgs),
+    /// Make what a synthetic camera of several detectors records, with its truth.
+    Scene(SceneArgs),
+    /// Compose the sub-images of an exposure to one virtual image, without distortion.
+    ///
+    /// Each sub-image is resampled once, by the polynomial of `calibrate rig`; neighbours are
+    /// joined at the seam of least cost and mixed within 5 px of it. The report has the steps at
+    /// the seams by least-squares matching, in pixels and grey values, and the registration to
+    /// green. With a rig of `--heights ignore` the virtual image is made by that registration, as
+    /// Zhao et al. 2013 do.
+    #[command(after_help = examples::VIRTUAL)]
+    Virtual(VirtualArgs),
+    /// Adjust two virtual images of one ground over control and check points.
+    ///
+    /// Ties are matched by least squares; interior orientations are held. Layouts of Zhao et al.
+    /// 2013: a control point in each corner, two in each corner and in the middle, and all, which
+    /// leaves no check.
+    #[command(after_help = examples::STEREO)]
+    Stereo(StereoArgs),
+    /// Repeat Zhao et al. 2013 with a synthetic camera: its way beside ours, against truth.
+    ///
+    /// Scene, radiometry, rig, both virtual images, relief of 0 to 30 m, stereo check with 40
+    /// repetitions; one page. Fails (exit 1) where a number is beyond its limit.
+    #[command(after_help = examples::DMZ)]
+    Dmz(DmzArgs),
     /// Calibrate a camera: parameters from observations.
     Calibrate(CalibrateArgs),
     /// Residual smear of an exposure: what the compensation leaves, term by term.

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{ArgGroup, Args, ValueEnum};
+use fmc_rectification::Resampling;
 
 use super::frames::{FRAMES, optional_group};
 use super::{ADVANCED, ExposureArgs};
@@ -182,6 +183,18 @@ pub enum ResamplingName {
 }
 
 impl ResamplingName {
+    /// Returns the kernel.
+    #[must_use]
+    pub const fn kernel(self) -> Resampling {
+        match self {
+            Self::Nearest => Resampling::Nearest,
+            Self::Bilinear => Resampling::Bilinear,
+            Self::Bicubic => Resampling::Bicubic,
+            Self::Keys6 => Resampling::Keys6,
+            Self::Lanczos3 => Resampling::Lanczos3,
+        }
+    }
+
     /// Returns the name that the command line uses.
     #[must_use]
     pub const fn name(self) -> &'static str {

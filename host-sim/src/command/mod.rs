@@ -6,6 +6,7 @@ mod calibrate;
 mod camera;
 mod camera_file;
 mod certificate;
+mod composition;
 mod device;
 mod earlier_records;
 mod export;
@@ -32,7 +33,7 @@ use std::path::Path;
 use fmc_camera::flight::camera::Camera;
 use fmc_camera_file::{CameraFile, GridFiles, MechanismName};
 
-use crate::cli::{CalibrationMethod, Cli, Command};
+use crate::cli::{CalibrationMethod, Cli, Command, SceneCamera};
 use crate::failure::{Failure, note};
 
 /// Runs a command.
@@ -50,6 +51,12 @@ pub fn run(cli: Cli) -> Result<(), Failure> {
         Command::Rectify(args) => rectify::run(&args),
         Command::Render(args) => images::render::run(&args),
         Command::Compare(args) => images::compare::run(&args),
+        Command::Scene(args) => match args.camera {
+            SceneCamera::Dmz(args) => composition::scene::run(&args),
+        },
+        Command::Virtual(args) => composition::virtual_image::run(&args),
+        Command::Stereo(args) => composition::stereo::run(&args),
+        Command::Dmz(args) => composition::dmz::run(&args),
         Command::Budget(args) => budget::run(&args),
         Command::Calibrate(args) => match args.method {
             CalibrationMethod::Five(args) => calibrate::five(&args),
@@ -59,6 +66,8 @@ pub fn run(cli: Cli) -> Result<(), Failure> {
             CalibrationMethod::Dlt2d(args) => calibrate::dlt2d::run(&args),
             CalibrationMethod::Angles(args) => calibrate::angles::run(&args),
             CalibrationMethod::Grid(args) => calibrate::grid::run(&args),
+            CalibrationMethod::Radiometry(args) => composition::radiometry::run(&args),
+            CalibrationMethod::Rig(args) => composition::rig::run(&args),
         },
         Command::Smear(args) => smear::run(&args),
         Command::Sweep(args) => sweep::run(&args),

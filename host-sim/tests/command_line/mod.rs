@@ -37,6 +37,8 @@ mod camera;
 mod camera_file;
 mod certificate;
 #[cfg(test)]
+mod composition;
+#[cfg(test)]
 mod default_limits;
 #[cfg(test)]
 #[cfg(target_os = "linux")]

@@ -6,4 +6,4 @@ pub(super) mod render;
 mod scaled_camera;
 mod scene;
 pub(super) mod verification;
-mod written;
+pub(super) mod written;

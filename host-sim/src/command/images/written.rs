@@ -18,17 +18,17 @@ const STRIP_ROWS: u32 = 16;
 
 /// Size and samples of an image.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Format {
-    pub(super) size_px: [u32; 2],
-    pub(super) bands: u8,
-    pub(super) bits: u8,
+pub(in crate::command) struct Format {
+    pub(in crate::command) size_px: [u32; 2],
+    pub(in crate::command) bands: u8,
+    pub(in crate::command) bits: u8,
 }
 
 /// Writes an image without compression, whose rows are computed in several threads.
 ///
 /// # Errors
 /// [`Failure`] naming the file, which appears only when it is complete.
-pub(super) fn write(
+pub(in crate::command) fn write(
     path: &Path,
     format: Format,
     row: impl Fn(u32) -> Vec<f64> + Sync,

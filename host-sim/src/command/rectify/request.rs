@@ -1,9 +1,9 @@
 //! The options, as the libraries take them.
 
 use fmc_raster::{Chunks, Compression, PlanOptions};
-use fmc_rectification::{Centre, Request, Resampling, Window};
+use fmc_rectification::{Centre, Request, Window};
 
-use crate::cli::{CentreName, CompressionName, RectifyArgs, ResamplingName, WindowArgument};
+use crate::cli::{CentreName, CompressionName, RectifyArgs, WindowArgument};
 
 pub(super) fn request(args: &RectifyArgs) -> Request {
     Request {
@@ -17,13 +17,7 @@ pub(super) fn request(args: &RectifyArgs) -> Request {
             CentreName::PrincipalPoint => Centre::PrincipalPoint,
             CentreName::Frame => Centre::Frame,
         },
-        resampling: match args.image.resample {
-            ResamplingName::Nearest => Resampling::Nearest,
-            ResamplingName::Bilinear => Resampling::Bilinear,
-            ResamplingName::Bicubic => Resampling::Bicubic,
-            ResamplingName::Keys6 => Resampling::Keys6,
-            ResamplingName::Lanczos3 => Resampling::Lanczos3,
-        },
+        resampling: args.image.resample.kernel(),
     }
 }
 

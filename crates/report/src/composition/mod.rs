@@ -1,0 +1,4 @@
+//! Cameras of several detectors: figures and the page of a composition.
+
+pub mod page;
+pub mod residual_vectors;

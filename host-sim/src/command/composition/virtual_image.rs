@@ -1,0 +1,482 @@
+//! `virtual`: the sub-images of an exposure as one image.
+
+use std::path::Path;
+
+use fmc_composition::image::Plane;
+use fmc_composition::mosaic::registration::{Pair, Registration};
+use fmc_composition::mosaic::{
+    Composite, Geometry, GreenMatch, Layer, SeamStep, compose, green_pairs, steps,
+};
+use fmc_composition::radiometry::{Correction, Method};
+use fmc_composition::rig::control::{Place, Tie};
+use fmc_composition::rig::{Heights, Rig};
+use fmc_composition::rms;
+use fmc_rectification::Resampling;
+use fmc_report::composition::page::{CompositionPage, Section};
+use serde::Serialize;
+
+use super::files::{read_plane, read_rig, write_plane, write_rows};
+use super::scene::write_ties;
+use super::{preview, radiometry};
+use crate::cli::{OrderName, VirtualArgs};
+use crate::failure::{Failure, note};
+use crate::formats::output::{self, OutputFolder};
+
+/// Least part of the windows that must match green.
+const LEAST_GREEN_PART: f64 = 0.2;
+/// Degree of a polynomial over the frame.
+const DEGREE: usize = 3;
+/// Distance of a head from the other, m, for which the parallax is stated.
+const HEAD_DISTANCE_M: f64 = 0.15;
+/// An exposure, composed.
+#[derive(Debug)]
+pub(super) struct Composed {
+    pub(super) composite: Composite,
+    pub(super) steps: Vec<SeamStep>,
+    pub(super) green: Option<(GreenMatch, Registration)>,
+    pub(super) ties: Vec<Tie>,
+}
+
+/// Choices of a composition.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Choices {
+    pub(super) order: OrderName,
+    pub(super) kernel: Resampling,
+    pub(super) feather_px: usize,
+}
+
+/// Images of an exposure, corrected.
+#[derive(Debug)]
+pub(super) struct Frames {
+    pub(super) subs: Vec<Plane>,
+    pub(super) green: Option<Plane>,
+}
+
+/// Runs `virtual`.
+pub(in crate::command) fn run(args: &VirtualArgs) -> Result<(), Failure> {
+    let rig = read_rig(&args.rig)?;
+    if let Some(sub) = rig.sub.iter().find(|sub| sub.polynomial.is_none()) {
+        return Err(Failure::bad_input(format!(
+            "{}: sub-image {} has no polynomial; calibrate the rig first with `calibrate rig`",
+            args.rig.display(),
+            sub.id
+        )));
+    }
+    for name in ["virtual.tif", "mask.tif", "labels.tif"] {
+        for sub in &rig.sub {
+            let input = args.exposure.join(format!("{}.tif", sub.id));
+            output::check_not_an_input(&args.out.join(name), &input)?;
+        }
+    }
+    let radiometry = args.radiometry.as_deref();
+    let radiometry = radiometry
+        .map(|folder| radiometry::read(&rig, folder))
+        .transpose()?;
+    let (method, corrections) = match radiometry {
+        Some((method, corrections)) => (Some(method), corrections),
+        None => (None, Vec::new()),
+    };
+    let frames = read_frames(&rig, &args.exposure, &corrections)?;
+    let choices = Choices {
+        order: args.order,
+        kernel: args.resample.kernel(),
+        feather_px: args.feather.into(),
+    };
+    let name = args
+        .exposure
+        .file_name()
+        .map(|name| name.to_string_lossy().into_owned());
+    let name = name.unwrap_or_else(|| "exposure".to_owned());
+    let composed = compose_frames(&rig, &frames, choices, &name)?;
+    let summary = Summary::of(&rig, &composed, choices, method);
+    let page = page(&rig, &composed, &summary, &name)?;
+    let folder = OutputFolder::create(&args.out)?;
+    write(&rig, &composed, &folder)?;
+    folder.write("report.html", |sink| sink.write_all(page.as_bytes()))?;
+    folder.write_json("summary.json", &summary)?;
+    output::write(None, |sink| {
+        for line in summary.lines() {
+            writeln!(sink, "{line}")?;
+        }
+        Ok(())
+    })?;
+    note(format_args!(
+        "{}: virtual.tif, mask.tif, labels.tif, ties.csv, report.html, summary.json",
+        folder.path().display()
+    ));
+    Ok(())
+}
+
+/// Reads the images of an exposure and corrects their radiometry.
+pub(super) fn read_frames(
+    rig: &Rig,
+    folder: &Path,
+    corrections: &[Correction],
+) -> Result<Frames, Failure> {
+    let mut subs = Vec::new();
+    for (number, sub) in rig.sub.iter().enumerate() {
+        let path = folder.join(format!("{}.tif", sub.id));
+        let mut plane = read_plane(&path, sub.size_px())?;
+        match corrections.get(number) {
+            Some(correction) if !correction.apply(&mut plane) => {
+                return Err(Failure::bad_input(format!(
+                    "{}: the radiometry is of another size; calibrate it with the same rig file",
+                    path.display()
+                )));
+            }
+            Some(_) => {}
+            // 0 means no content.
+            None => plane
+                .values_mut()
+                .iter_mut()
+                .for_each(|value| *value = (*value).max(1)),
+        }
+        subs.push(plane);
+    }
+    let green = match &rig.green {
+        None => None,
+        Some(green) => {
+            let size = [green.width_px, green.height_px];
+            Some(read_plane(&folder.join("green.tif"), size)?)
+        }
+    };
+    Ok(Frames { subs, green })
+}
+
+/// Composes the images of an exposure.
+pub(super) fn compose_frames(
+    rig: &Rig,
+    frames: &Frames,
+    choices: Choices,
+    exposure: &str,
+) -> Result<Composed, Failure> {
+    let common = match choices.order {
+        OrderName::RectifyFirst => None,
+        OrderName::MosaicFirst => Some(common_polynomial(rig)?),
+    };
+    let ignored = rig
+        .calibration
+        .is_some_and(|table| table.heights == Heights::Ignore);
+    let geometries = |registration: Option<&Registration>| -> Vec<Geometry> {
+        let each = rig.sub.iter().map(|sub| Geometry {
+            size_px: sub.size_px(),
+            polynomial: match choices.order {
+                OrderName::RectifyFirst => rig.polynomial(sub),
+                OrderName::MosaicFirst => sub.nominal(rig.frame),
+            },
+            registration: registration.cloned(),
+        });
+        each.collect()
+    };
+    let first = geometries(common.as_ref());
+    let (layers, mut composite) = composed(rig, frames, &first, choices)?;
+    let mut found = steps(&layers);
+    let mut geometry = first;
+    let mut green = registered(rig, frames, &composite)?;
+    if let Some((_, registration)) = &mut green
+        && ignored
+        && choices.order == OrderName::RectifyFirst
+    {
+        // Zhao et al. 2013: the mosaic of the ground becomes an image by registration to green.
+        geometry = geometries(Some(registration));
+        let (layers, joined) = composed(rig, frames, &geometry, choices)?;
+        (found, composite) = (steps(&layers), joined);
+    }
+    let ties = ties(&geometry, &found, exposure);
+    Ok(Composed {
+        composite,
+        steps: found,
+        green,
+        ties,
+    })
+}
+
+fn composed(
+    rig: &Rig,
+    frames: &Frames,
+    geometries: &[Geometry],
+    choices: Choices,
+) -> Result<(Vec<Layer>, Composite), Failure> {
+    let mut layers = Vec::new();
+    for ((sub, image), geometry) in rig.sub.iter().zip(&frames.subs).zip(geometries) {
+        let layer = Layer::resampled(rig.frame, image, geometry, choices.kernel);
+        layers.push(layer.ok_or_else(|| {
+            Failure::bad_input(format!(
+                "sub-image {}: its polynomial leads outside the virtual image",
+                sub.id
+            ))
+        })?);
+    }
+    let composite = compose(rig, layers.clone(), choices.feather_px)
+        .ok_or_else(|| Failure::bad_input("no sub-image to compose"))?;
+    Ok((layers, composite))
+}
+
+/// Returns one polynomial over the frame, from the nominal mosaic to the virtual image: what the
+/// polynomials of all sub-images have in common.
+fn common_polynomial(rig: &Rig) -> Result<Registration, Failure> {
+    let mut pairs = Vec::new();
+    for sub in &rig.sub {
+        let (nominal, own) = (sub.nominal(rig.frame), rig.polynomial(sub));
+        for number in 0..100_u32 {
+            let part = |number: u32| 2.0 * f64::from(number) / 9.0 - 1.0;
+            let [col, row] = sub.centre_px();
+            let place = [part(number % 10) * col / row, part(number / 10)];
+            pairs.push(Pair {
+                from_px: nominal.value(place),
+                to_px: own.value(place),
+            });
+        }
+    }
+    let size = [rig.frame.width_px, rig.frame.height_px];
+    Registration::unweighted(size, DEGREE, &pairs)
+        .ok_or_else(|| Failure::bad_input("the sub-images determine no polynomial over the frame"))
+}
+
+/// Registers a mosaic to green.
+fn registered(
+    rig: &Rig,
+    frames: &Frames,
+    composite: &Composite,
+) -> Result<Option<(GreenMatch, Registration)>, Failure> {
+    let (Some(green), Some(recorded)) = (&rig.green, &frames.green) else {
+        return Ok(None);
+    };
+    let size = [rig.frame.width_px, rig.frame.height_px];
+    let found = green_pairs(rig, green, recorded, &composite.layer.plane);
+    let windows = found.as_ref().map_or(0, |found| found.windows);
+    let enough =
+        found.filter(|found| number(found.pairs.len()) >= LEAST_GREEN_PART * number(windows));
+    let fitted = enough.and_then(|found| {
+        let registration = Registration::fit(size, DEGREE, &found.pairs)?;
+        Some((found, registration))
+    });
+    let Some(fitted) = fitted else {
+        return Err(Failure::bad_input(
+            "green.tif: its windows do not match the sub-images; allowed: a fifth of 400 windows or more; green without contrast, of another exposure, or too far from its place",
+        ));
+    };
+    Ok(Some(fitted))
+}
+
+/// Returns the matches in the overlaps as ties of the sub-images.
+fn ties(geometries: &[Geometry], steps: &[SeamStep], exposure: &str) -> Vec<Tie> {
+    let mut ties = Vec::new();
+    for step in steps {
+        for places in &step.ties {
+            let mut found = Vec::new();
+            for (sub, place) in step.layers.into_iter().zip(places) {
+                let pixel = geometries
+                    .get(sub)
+                    .and_then(|geometry| geometry.pixel(*place));
+                found.extend(pixel.map(|pixel| Place { sub, pixel }));
+            }
+            if let [first, second] = found.as_slice() {
+                ties.push(Tie {
+                    id: format!("{exposure}-{}", ties.len() + 1),
+                    exposure: exposure.to_owned(),
+                    places: [*first, *second],
+                });
+            }
+        }
+    }
+    ties
+}
+
+/// Writes the images and ties of a composition.
+pub(super) fn write(rig: &Rig, composed: &Composed, folder: &OutputFolder) -> Result<(), Failure> {
+    let plane = &composed.composite.layer.plane;
+    let size = [plane.width(), plane.height()];
+    write_plane(&folder.path().join("virtual.tif"), plane)?;
+    let labels = &composed.composite.labels;
+    let row_of = |row: usize, value: &(dyn Fn(u8) -> f64 + Sync)| -> Vec<f64> {
+        let labels = labels.iter().skip(row * size[0]).take(size[0]);
+        labels.map(|label| value(*label)).collect()
+    };
+    write_rows(&folder.path().join("labels.tif"), size, 8, |row| {
+        row_of(row, &f64::from)
+    })?;
+    let is_content = |label: u8| if label == 0 { 0.0 } else { 255.0 };
+    write_rows(&folder.path().join("mask.tif"), size, 8, |row| {
+        row_of(row, &is_content)
+    })?;
+    folder.write("ties.csv", |sink| write_ties(rig, &composed.ties, sink))
+}
+
+/// Content of summary.json.
+#[derive(Debug, Clone, Serialize)]
+pub(super) struct Summary {
+    order: &'static str,
+    kernel: &'static str,
+    feather_px: usize,
+    heights: Option<Heights>,
+    radiometry: Option<Method>,
+    content_percent: f64,
+    pub(super) seam_step_px: Option<f64>,
+    seam_grey_percent: f64,
+    seams: Vec<Seam>,
+    green: Option<GreenSummary>,
+}
+
+#[derive(Debug, Clone, Serialize)]
+struct Seam {
+    between: [String; 2],
+    windows: usize,
+    matched: usize,
+    step_px: Option<f64>,
+    grey_percent: f64,
+}
+
+#[derive(Debug, Clone, Serialize)]
+struct GreenSummary {
+    windows: usize,
+    kept: usize,
+    outliers: usize,
+    residual_px: f64,
+    sigma_px: f64,
+    /// Root mean square and largest displacement of the polynomial from no displacement.
+    displacement_rms_px: f64,
+    displacement_largest_px: f64,
+    pixel_ratio: f64,
+    /// Largest parallax of heads 0.15 m apart, of relief of 3 % of a height of 1000 m.
+    parallax_bound_px: f64,
+}
+
+impl Summary {
+    pub(super) fn of(
+        rig: &Rig,
+        composed: &Composed,
+        choices: Choices,
+        radiometry: Option<Method>,
+    ) -> Self {
+        let id = |number: usize| {
+            rig.sub
+                .get(number)
+                .map_or_else(String::new, |sub| sub.id.clone())
+        };
+        let seams = composed.steps.iter().map(|step| Seam {
+            between: step.layers.map(id),
+            windows: step.windows,
+            matched: step.ties.len(),
+            step_px: step.step_px,
+            grey_percent: 100.0 * step.grey_part,
+        });
+        let ways = composed
+            .steps
+            .iter()
+            .flat_map(|step| &step.ties)
+            .flat_map(|[one, other]| [other[0] - one[0], other[1] - one[1]]);
+        let labels = &composed.composite.labels;
+        let content = labels.iter().filter(|label| **label > 0).count();
+        Self {
+            order: match choices.order {
+                OrderName::RectifyFirst => "rectify-first",
+                OrderName::MosaicFirst => "mosaic-first",
+            },
+            kernel: choices.kernel.name(),
+            feather_px: choices.feather_px,
+            heights: rig.calibration.map(|table| table.heights),
+            radiometry,
+            content_percent: 100.0 * number(content) / number(labels.len()),
+            seam_step_px: rms(ways),
+            seam_grey_percent: rms(composed.steps.iter().map(|step| 100.0 * step.grey_part))
+                .unwrap_or(0.0),
+            seams: seams.collect(),
+            green: composed.green.as_ref().map(|(matched, registration)| {
+                let ways = matched.pairs.iter().map(|pair| {
+                    let [u, v] = registration.at(pair.from_px);
+                    (u - pair.from_px[0]).hypot(v - pair.from_px[1])
+                });
+                let height_m = 1000.0;
+                GreenSummary {
+                    windows: matched.windows,
+                    kept: registration.kept,
+                    outliers: registration.outliers,
+                    residual_px: registration.residual_px,
+                    sigma_px: registration.polynomial.sigma_px,
+                    displacement_rms_px: rms(ways.clone()).unwrap_or(0.0),
+                    displacement_largest_px: ways.fold(0.0, f64::max),
+                    pixel_ratio: matched.ratio,
+                    parallax_bound_px: HEAD_DISTANCE_M * 0.03 / 0.97 / height_m
+                        * rig.principal_distance_px(),
+                }
+            }),
+        }
+    }
+
+    /// Findings, a line each.
+    pub(super) fn lines(&self) -> Vec<String> {
+        let mut lines = Vec::new();
+        if self.heights == Some(Heights::Ignore) {
+            lines.push(
+                "Zhao et al. 2013: polynomials of the ground without heights, virtual image by registration to green."
+                    .to_owned(),
+            );
+        }
+        let step = self.seam_step_px.map_or_else(
+            || "no window matched".to_owned(),
+            |step| format!("{step:.3} px of a coordinate"),
+        );
+        lines.push(format!(
+            "Steps at the seams: {step}, {:.2} % of the grey value (root mean square).",
+            self.seam_grey_percent
+        ));
+        lines.push(format!(
+            "{:.2} % of the virtual image have content.",
+            self.content_percent
+        ));
+        if let Some(green) = &self.green {
+            lines.push(format!(
+                "Green: {} of {} windows, {} outliers, residual {:.3} px of the virtual image ({:.3} of green); displaced by {:.2} px, largest {:.2} px, σ {:.3} px.",
+                green.kept,
+                green.windows,
+                green.outliers,
+                green.residual_px,
+                green.residual_px / green.pixel_ratio,
+                green.displacement_rms_px,
+                green.displacement_largest_px,
+                green.sigma_px
+            ));
+        }
+        lines
+    }
+
+    /// Table of the seams.
+    pub(super) fn section(&self) -> Section {
+        let rows = self.seams.iter().map(|seam| {
+            vec![
+                seam.between.join(", "),
+                format!("{} of {}", seam.matched, seam.windows),
+                seam.step_px
+                    .map_or("none".to_owned(), |step| format!("{step:.3}")),
+                format!("{:.3}", seam.grey_percent),
+            ]
+        });
+        Section {
+            heading: "Seams".to_owned(),
+            columns: ["sub-images", "windows matched", "step, px", "grey, %"]
+                .map(str::to_owned)
+                .to_vec(),
+            rows: rows.collect(),
+            caption: "Least-squares matching of the two sub-images where they overlap, in the virtual image: root mean square of a coordinate; grey: second less first sub-image.".to_owned(),
+            ..Section::default()
+        }
+    }
+}
+
+fn page(rig: &Rig, composed: &Composed, summary: &Summary, name: &str) -> Result<String, Failure> {
+    let failed =
+        |error: &dyn std::fmt::Display| Failure::device_or_io(format!("report.html: {error}"));
+    let page = CompositionPage {
+        title: format!("Virtual image {name} of {}", rig.name),
+        findings: summary.lines(),
+        sections: vec![summary.section(), preview::images(composed)?],
+        passed: None,
+    };
+    page.html().map_err(|error| failed(&error))
+}
+
+#[expect(clippy::cast_precision_loss, reason = "a number of pixels or windows")]
+const fn number(count: usize) -> f64 {
+    count as f64
+}
