@@ -4,8 +4,10 @@ use fmc_camera_file::CameraFile;
 use fmc_reference::lens::Lens;
 use fmc_reference::residual_splines::ResidualSplines;
 
-use crate::fit::GRID;
 use crate::least_squares::linear;
+
+/// Points along each side of the grid, edges of the sensor included.
+pub const GRID: u32 = 41;
 
 /// A static interior orientation: the strict model of a camera file without its motion.
 ///

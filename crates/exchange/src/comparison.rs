@@ -1,8 +1,7 @@
 //! Comparison of a program's camera with the calibrated one over the sensor.
 
-use crate::calibrated::Calibrated;
+use crate::calibrated::{Calibrated, GRID};
 use crate::correction::Correction;
-use crate::fit::GRID;
 use crate::pinhole::Pinhole;
 use crate::residual::Residual;
 

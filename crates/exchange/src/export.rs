@@ -3,7 +3,7 @@
 use fmc_camera_file::InputError;
 use fmc_reference::lens::Lens;
 
-use crate::calibrated::Calibrated;
+use crate::calibrated::{Calibrated, GRID};
 use crate::coefficient::Coefficient;
 use crate::comparison;
 use crate::fit;
@@ -173,7 +173,7 @@ fn check(
     model: &Model,
     pinhole: &Pinhole,
 ) -> Result<(), InputError> {
-    let rays = camera.enlarged_grid_mm(fit::GRID);
+    let rays = camera.enlarged_grid_mm(GRID);
     let field = Field::around(
         rays.into_iter()
             .map(|point| camera.ray_from_measured(point)),
@@ -249,7 +249,7 @@ pub(crate) fn read_back_as(
 
 /// Returns the largest difference of two formulas over the sensor, µm.
 pub(crate) fn difference_um(camera: &Calibrated, one: &Pinhole, other: &Pinhole) -> f64 {
-    let points = camera.grid_mm(fit::GRID).into_iter();
+    let points = camera.grid_mm(GRID).into_iter();
     Residual::of(points.map(|point| {
         let ray = camera.ray_from_measured(point);
         let [[ax, ay], [bx, by]] = [one, other].map(|formula| formula.pixel_from_ray(ray));
@@ -380,7 +380,7 @@ fn not_held(camera: &Calibrated, held: &[Coefficient]) -> Vec<NotHeld> {
 
 /// Returns the residual grids of a camera that has some, with what they add at most.
 fn grids_not_held(camera: &Calibrated) -> Option<NotHeld> {
-    let points = camera.grid_mm(fit::GRID).into_iter();
+    let points = camera.grid_mm(GRID).into_iter();
     (!camera.residual.is_empty()).then(|| NotHeld {
         term: "residual grids",
         size_um: Residual::of(points.map(|point| (point, camera.residual_mm(point)))).largest_um,
@@ -390,7 +390,7 @@ fn grids_not_held(camera: &Calibrated) -> Option<NotHeld> {
 /// Returns the largest displacement over the sensor, µm along one axis.
 fn largest_um(camera: &Calibrated, lens: &Lens) -> f64 {
     let [x0, y0] = camera.principal_point_mm;
-    let points = camera.grid_mm(fit::GRID).into_iter();
+    let points = camera.grid_mm(GRID).into_iter();
     let displacements = points.map(|[x, y]| {
         let displacement = lens.displacement([x - x0, y - y0]);
         ([x, y], displacement.map(|mm| mm / camera.gauge()))

@@ -2,14 +2,11 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::calibrated::Calibrated;
+use crate::calibrated::{Calibrated, GRID};
 use crate::coefficient::Coefficient;
 use crate::least_squares::Linearised;
 use crate::pinhole::Pinhole;
 use crate::scalar::{Scalar, Sloped};
-
-/// Points along each side of the grid, edges of the sensor included.
-pub const GRID: u32 = 41;
 
 /// Most steps of a fit. Without convergence the best found is the result: its residual is measured
 /// and stated in any case.

@@ -3,12 +3,12 @@
 //! `OpenCV`.
 //!
 //! `cargo bench -p fmc-rectification --bench rows [-- ROUNDS [WIDTH HEIGHT]] [NAME…]`: every
-//! contender, or every one whose name has one of these words in it, is
-//! timed once per round, so that all meet the same state of the machine. `OpenCV` takes part if
-//! `python3` has it (`opencv-python-headless`), or every program that `PYTHON` names, one behind the
-//! other with colons between them: several versions are timed in turns. Its maps are ready before it
-//! is timed. Prints CSV: contender, least and median ns per pixel, and for every kernel how many
-//! times as long the same kernel of each `OpenCV` takes, by the least and by the median.
+//! contender, or every one whose name has one of these words in it, is timed once per round, so
+//! that all meet the same state of the machine. `OpenCV` takes part if `python3` has it
+//! (`opencv-python-headless`), or every program that `PYTHON` names, one behind the other with
+//! colons between them: several versions are timed in turns. Its maps are ready before it is
+//! timed. Prints CSV: contender, least and median ns per pixel, and for every kernel how many times
+//! as long the same kernel of each `OpenCV` takes, by the least and by the median.
 
 #![expect(
     clippy::unwrap_used,

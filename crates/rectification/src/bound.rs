@@ -1,6 +1,7 @@
 //! Bound of the error of a mesh that is interpolated linearly.
 
-use crate::form::{Form, Matrix, inverse, length, times};
+use crate::form::Form;
+use crate::matrix::{Matrix, inverse, length, times};
 
 /// Cells of the sensor, along each axis, over each of which the derivatives are bounded: the fewest
 /// and the most.

@@ -2,6 +2,7 @@
 
 use fmc_camera::geometry::gridded_correction::GriddedCorrection;
 
+use crate::matrix::{Matrix, inverse, length, times};
 use crate::placed_spline::PlacedSpline;
 
 /// Length of a Newton step, mm, after which the next would be far below rounding: the second
@@ -10,9 +11,6 @@ const LAST_STEP_MM: f64 = 1e-5;
 
 /// Largest number of Newton steps to a source.
 const MAX_STEPS: usize = 12;
-
-/// A matrix by rows.
-pub(crate) type Matrix = [[f64; 2]; 2];
 
 /// The evaluation form of a frame with all its terms and its residual grids, in double precision.
 #[derive(Debug, Clone, PartialEq)]
@@ -187,25 +185,4 @@ impl Form {
         }
         None
     }
-}
-
-/// Returns the inverse of the identity less a matrix; `None` where its determinant is not positive.
-pub(crate) fn inverse([[a, b], [c, d]]: Matrix) -> Option<Matrix> {
-    let determinant = (1.0 - a) * (1.0 - d) - b * c;
-    (determinant > 0.0).then(|| {
-        let scale = 1.0 / determinant;
-        [
-            [scale * (1.0 - d), scale * b],
-            [scale * c, scale * (1.0 - a)],
-        ]
-    })
-}
-
-pub(crate) fn times([of_x, of_y]: Matrix, [x, y]: [f64; 2]) -> [f64; 2] {
-    [of_x[0] * x + of_x[1] * y, of_y[0] * x + of_y[1] * y]
-}
-
-/// Returns the length of a vector, with the same bits on every machine.
-pub(crate) fn length([x, y]: [f64; 2]) -> f64 {
-    (x * x + y * y).sqrt()
 }

@@ -11,6 +11,7 @@ mod bound;
 pub mod comparison;
 mod fixed_point;
 mod form;
+mod matrix;
 pub mod mesh;
 mod mesh_error;
 pub mod pattern;

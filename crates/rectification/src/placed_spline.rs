@@ -2,7 +2,7 @@
 
 use fmc_camera::geometry::grid::PlacedGrid;
 
-use crate::form::Matrix;
+use crate::matrix::Matrix;
 
 /// Nodes along a side that the value in a cell depends on.
 const ORDER: usize = 4;

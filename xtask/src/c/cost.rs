@@ -20,7 +20,7 @@ const SPARE_BYTES: u64 = 100;
 /// Longest time of the counting.
 const LIMIT: Duration = Duration::from_mins(5);
 
-/// What the library costs on a Cortex-M4F.
+/// Cost of the library on a Cortex-M4F.
 #[derive(Debug)]
 pub(super) struct Cost {
     pub(super) footprint: Footprint,

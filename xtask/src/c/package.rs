@@ -1,4 +1,4 @@
-//! What build systems need: files for pkg-config and `CMake`, and a module of Zephyr.
+//! Inputs of build systems: files for pkg-config and `CMake`, and a module of Zephyr.
 
 use std::{fs, path::Path};
 

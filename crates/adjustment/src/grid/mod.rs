@@ -9,6 +9,7 @@ pub mod grid_file;
 pub mod lattice;
 pub mod model_grid;
 mod outcome;
+mod plane_target;
 mod plausibility;
 pub mod polynomial;
 mod reduced;

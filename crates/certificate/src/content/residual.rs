@@ -23,7 +23,7 @@ pub struct ResidualSection {
     /// Largest length of what they add together over the sensor, the stage at its calibrated
     /// position, µm.
     pub largest_um: Option<Stated>,
-    /// What they add at points of the sensor.
+    /// Displacements that they add at points of the sensor.
     pub field: Vec<ResidualPoint>,
 }
 

@@ -50,7 +50,7 @@ fn all_levels_have_the_same_bytes_in_8_bits() {
     compare(|rng| [rng.u8(..), 0, u8::MAX][rng.usize(0..3)]);
 }
 
-/// What is compared on a 64-bit Arm is NEON, not the baseline with itself.
+/// A comparison on a 64-bit Arm is one of NEON, not of the baseline with itself.
 #[cfg(target_arch = "aarch64")]
 #[test]
 fn the_widest_level_of_a_64_bit_arm_is_neon() {

@@ -3,7 +3,6 @@
 pub mod distortion_table;
 mod homography;
 pub mod interpolation;
-mod leftover;
 mod outcome;
 pub mod request;
 

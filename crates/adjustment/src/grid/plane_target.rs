@@ -1,24 +1,23 @@
-//! Residual grid of what the polynomial leaves of a distortion table.
+//! Residual grid of what the polynomial leaves of a plane target's distortion table.
 
 use fmc_camera::geometry::grid::GridCarrier;
 use fmc_camera_file::InputError;
 
-use super::distortion_table::Dlt2d;
-use crate::grid::calibration::{GridCalibration, grid_calibration};
-use crate::grid::polynomial::COEFFICIENTS;
-use crate::grid::request::GridCalibrationRequest;
-use crate::grid::table::TableObservation;
+use super::calibration::{GridCalibration, grid_calibration};
+use super::polynomial::COEFFICIENTS;
+use super::request::GridCalibrationRequest;
+use super::table::TableObservation;
+use crate::calibration::dlt2d::distortion_table::Dlt2d;
 
 impl Dlt2d {
     /// Determines the residual grid of a part from the table.
     ///
     /// # Model
-    /// The table about the f and the principal point of the camera file
-    /// ([`of_camera_mm`](super::distortion_table::TableRow::of_camera_mm)) goes to
-    /// [`grid_calibration`] with the polynomial of this result, which is held: the homography took
-    /// eight parameters of the table together with that polynomial, and the grid takes what both
-    /// leave. A plane target stands before one position of the stage, so that the table cannot tell
-    /// lens and sensor apart.
+    /// The table about the f and the principal point of the camera file (`TableRow::of_camera_mm`)
+    /// goes to [`grid_calibration`] with the polynomial of this result, which is held: the
+    /// homography took eight parameters of the table together with that polynomial, and the grid
+    /// takes what both leave. A plane target stands before one position of the stage, so that the
+    /// table cannot tell lens and sensor apart.
     ///
     /// # Errors
     /// As [`grid_calibration`].
