@@ -5,13 +5,12 @@
 //! calibration into use. Until then, and after a refusal of the whole, the camera uses the one
 //! before. A load begins anew with another announcement, and is abandoned when a session is opened.
 //!
-//! Behind the parameters of a camera with residual grids stand their
-//! [`GridChecksums`](crate::geometry::grid::GridChecksums), so that the CRC-32, which is that of
-//! the calibration's identity, covers the grids. Their files come before, by [`Request::BeginGrid`]
-//! and [`Request::GridPart`], into memory that no camera uses. A grid that is there already need
-//! not come again: where one is missing, the last part of the parameters is refused
-//! ([`GridMemoryError::Missing`](crate::flight::grid_memory::GridMemoryError::Missing)) and the
-//! calibration before stays, with its grids.
+//! Behind the parameters of a camera with residual grids stand their [`GridChecksums`], so that the
+//! CRC-32, which is that of the calibration's identity, covers the grids. Their files come before,
+//! by [`Request::BeginGrid`] and [`Request::GridPart`], into memory that no camera uses. A grid
+//! that is there already need not come again: where one is missing, the last part of the parameters
+//! is refused ([`GridMemoryError::Missing`](crate::flight::grid_memory::GridMemoryError::Missing))
+//! and the calibration before stays, with its grids.
 
 use heapless::Vec;
 

@@ -1,5 +1,5 @@
-//! Files for other programs and poses, read by the programs themselves, and blocks of frames on several
-//! workers: `OpenCV`, COLMAP and Dask, from the Python package index.
+//! Files for other programs and poses, read by the programs themselves, and blocks of frames on
+//! several workers: `OpenCV`, COLMAP and Dask, from the Python package index.
 
 mod python;
 
