@@ -9,6 +9,8 @@ use super::{ADVANCED, ResamplingName, examples};
 
 /// Heading of the options for what the synthetic camera is like.
 const CAMERA: &str = "Camera and ground";
+/// Heading of the options for the way of calibration or composition.
+const WAY: &str = "Way";
 
 /// Arguments of `scene`.
 #[derive(Debug, Args)]
@@ -136,13 +138,13 @@ pub struct RigArgs {
     pub out: PathBuf,
     /// Project control with its height by the orientation of its exposure, or lead to X, Y of the
     /// ground as Zhao et al. 2013 do.
-    #[arg(long, value_name = "HOW", default_value = "use")]
+    #[arg(long, value_name = "HOW", default_value = "use", help_heading = WAY)]
     pub heights: HeightsName,
     /// Degree of the polynomials, 2 to 5.
-    #[arg(long, value_name = "N", default_value = "3", value_parser = clap::value_parser!(u8).range(2..=5))]
+    #[arg(long, value_name = "N", default_value = "3", value_parser = clap::value_parser!(u8).range(2..=5), help_heading = WAY)]
     pub degree: u8,
     /// Exposure whose points are used; without it all.
-    #[arg(long, value_name = "NAME")]
+    #[arg(id = "of_exposure", long = "exposure", value_name = "NAME", help_heading = WAY)]
     pub exposure: Option<String>,
     /// σ of measured image points, px.
     #[arg(long, value_name = "PX", default_value = "0.25", value_parser = positive, help_heading = ADVANCED)]
@@ -177,10 +179,10 @@ pub struct VirtualArgs {
     pub out: PathBuf,
     /// Rectify each sub-image by its polynomial, or shift them to a mosaic and rectify that with
     /// one polynomial of degree 3.
-    #[arg(long, value_name = "ORDER", default_value = "rectify-first")]
+    #[arg(long, value_name = "ORDER", default_value = "rectify-first", help_heading = WAY)]
     pub order: OrderName,
     /// Kernel.
-    #[arg(long, value_name = "KERNEL", default_value = "bicubic")]
+    #[arg(long, value_name = "KERNEL", default_value = "bicubic", help_heading = WAY)]
     pub resample: ResamplingName,
     /// Pixels on either side of a seam within which two sub-images are mixed.
     #[arg(long, value_name = "PX", default_value = "5", value_parser = clap::value_parser!(u8).range(0..=64), help_heading = ADVANCED)]
