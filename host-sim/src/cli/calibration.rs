@@ -142,11 +142,11 @@ pub struct Dlt2dArgs {
     #[arg(long, value_name = "A,B,C,D", value_delimiter = ',', num_args = 1)]
     pub corners: Option<Vec<String>>,
     /// States what the polynomial leaves of the table as a residual grid of the camera.
-    #[arg(long, requires = "pitch_mm")]
+    #[arg(long, requires = "pitch_mm", help_heading = ADVANCED)]
     pub grid: bool,
     /// Distance of neighbouring nodes of the grid, mm: a tenth of the shortest wave leaves 0.4 % of
     /// it.
-    #[arg(long, value_name = "MM", value_parser = positive, requires = "grid")]
+    #[arg(long, value_name = "MM", value_parser = positive, requires = "grid", help_heading = ADVANCED)]
     pub pitch_mm: Option<f64>,
     /// Part that carries the grid: lens, which moves with the principal point, or sensor. The table
     /// of one stage position does not tell them apart.
