@@ -2,7 +2,7 @@
 
 use fmc_camera::geometry::gridded_correction::GriddedCorrection;
 
-use crate::matrix::{Matrix, inverse, length, times};
+use crate::matrix::{Matrix, inverse, times};
 use crate::placed_spline::PlacedSpline;
 
 /// Length of a Newton step, mm, after which the next would be far below rounding: the second
