@@ -66,7 +66,8 @@ pub unsafe extern "C" fn fmc_camera_record_to_blob(
         let parameters = unsafe { memory::input(record, 1) }?.parameters()?;
         let number = memory::output(count, 4)?;
         let sum = memory::output(crc32, 5)?;
-        Extent::of(bytes, capacity, 2).apart_from(Extent::of(record, 1, 1))?;
+        let extent = Extent::of(bytes, capacity, 2);
+        memory::bytes_apart(Extent::of(record, 1, 1), extent, count, crc32)?;
         // SAFETY: the caller's promise.
         let place = unsafe { memory::elements_mut(bytes, capacity, 2) }?;
         let upload = Upload::of(&parameters).ok_or(Failure::new(FMC_ERROR_BYTES))?;

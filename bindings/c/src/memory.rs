@@ -76,6 +76,27 @@ impl Extent {
     }
 }
 
+/// Checks that bytes that are written, argument 2, share no memory with what they are made of,
+/// argument 1, and with their number and CRC-32, arguments 4 and 5, nor these with each other.
+pub(crate) fn bytes_apart(
+    input: Extent,
+    bytes: Extent,
+    count: *const usize,
+    crc32: *const u32,
+) -> Result<(), fmc_error> {
+    let count = Extent::of(count, 1, 4);
+    let crc32 = Extent::of(crc32, 1, 5);
+    for (written, other) in [
+        (bytes, input),
+        (bytes, count),
+        (bytes, crc32),
+        (crc32, count),
+    ] {
+        written.apart_from(other)?;
+    }
+    Ok(())
+}
+
 /// Checks that a pointer is neither NULL nor misaligned.
 #[inline]
 fn placed<T>(pointer: *const T, argument: u32) -> Result<(), fmc_error> {

@@ -28,16 +28,17 @@ pub unsafe extern "C" fn fmc_record_to_bytes(
 ) -> fmc_status {
     let written = || {
         // SAFETY: the caller's promise; all fields are valid with all bits.
-        let record = unsafe { memory::structure(record, 1) }?.record()?;
+        let held = unsafe { memory::structure(record, 1) }?.record()?;
         let number = memory::output(count, 4)?;
         let sum = memory::output(crc32, 5)?;
-        Extent::of(bytes, capacity, 2).apart_from(Extent::of(count, 1, 4))?;
+        let extent = Extent::of(bytes, capacity, 2);
+        memory::bytes_apart(Extent::of(record, 1, 1), extent, count, crc32)?;
         // SAFETY: the caller's promise.
         let place = unsafe { memory::elements_mut(bytes, capacity, 2) }?;
         let mut buffer = [0; FMC_RECORD_CAPACITY];
         let refused = || fmc_error::from(Failure::of_argument(FMC_ERROR_BYTES, 1));
-        let written = postcard::to_slice(&record, &mut buffer).map_err(|_| refused())?;
-        let crc = digest::of_frame_record(&record).ok_or_else(refused)?;
+        let written = postcard::to_slice(&held, &mut buffer).map_err(|_| refused())?;
+        let crc = digest::of_frame_record(&held).ok_or_else(refused)?;
         let place = memory::part_of(place, written.len(), 2)?;
         for (place, byte) in place.iter_mut().zip(written.iter()) {
             *place = *byte;

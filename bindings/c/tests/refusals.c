@@ -204,10 +204,27 @@ static void blobs(void) {
   size_t count = 0u;
   uint32_t crc32 = 0u;
   fmc_record frame_record;
+  struct {
+    size_t count;
+    uint32_t crc32;
+    uint8_t bytes[FMC_RECORD_CAPACITY];
+  } numbered;
   CHECK("blob", fmc_camera_record_to_blob(&record, bytes, sizeof bytes, &count, &crc32, &error),
         FMC_OK);
   CHECK("small buffer", fmc_camera_record_to_blob(&record, bytes, 10u, &count, &crc32, &error),
         FMC_ERROR_BUFFER);
+  CHECK("bytes overlap record",
+        fmc_camera_record_to_blob(&record, (uint8_t *)(void *)&record, sizeof record, &count,
+                                  &crc32, &error),
+        FMC_ERROR_OVERLAP);
+  CHECK("bytes overlap their number",
+        fmc_camera_record_to_blob(&record, (uint8_t *)(void *)&numbered, sizeof numbered,
+                                  &numbered.count, &crc32, &error),
+        FMC_ERROR_OVERLAP);
+  CHECK("bytes overlap their CRC-32",
+        fmc_camera_record_to_blob(&record, (uint8_t *)(void *)&numbered, sizeof numbered, &count,
+                                  &numbered.crc32, &error),
+        FMC_ERROR_OVERLAP);
   CHECK("blob cut", fmc_camera_init_from_blob(&other, bytes, count - 1u, crc32, 0, &error),
         FMC_ERROR_BYTES);
   CHECK("empty blob", fmc_camera_init_from_blob(&other, NULL, 0u, crc32, 0, &error),
