@@ -33,6 +33,7 @@ pub enum Drawing {
 /// A field of arrows.
 #[derive(Debug, Clone, PartialEq)]
 pub struct VectorField {
+    titles: [&'static str; 2],
     format_mm: [f64; 2],
     axis: &'static str,
     /// Points and displacements, mm.
@@ -79,6 +80,10 @@ impl Drawing {
             [point, lens.displacement([x - x0, y - y0])]
         });
         Self::Vectors(VectorField {
+            titles: [
+                "Distortion at rest, measured − ideal",
+                "at the calibrated principal point",
+            ],
             format_mm,
             axis: certificate.motion.axis,
             arrows: arrows.collect(),
@@ -95,6 +100,10 @@ impl Drawing {
             ]
         });
         Self::Vectors(VectorField {
+            titles: [
+                "Residual grids, measured − ideal",
+                "the stage at its calibrated position",
+            ],
             format_mm: certificate
                 .parameters
                 .format_mm
@@ -170,10 +179,7 @@ impl VectorField {
         };
         let arrows: Vec<Arrow> = self.arrows.iter().map(arrow).collect();
         run(&ArrowField {
-            titles: [
-                "Distortion at rest, measured − ideal".to_owned(),
-                "at the calibrated principal point".to_owned(),
-            ],
+            titles: self.titles.map(str::to_owned),
             format_mm: self.format_mm,
             axis: self.axis,
             arrows: &arrows,

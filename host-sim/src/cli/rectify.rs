@@ -128,8 +128,8 @@ pub struct BlockArgs {
     /// Threads; without it as many as the processor has.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024), help_heading = ADVANCED)]
     pub threads: Option<u16>,
-    /// Largest memory for rows of a frame that are being resampled, MiB; besides them a strip or a
-    /// row of tiles is held before and after.
+    /// Largest memory for rows of a frame that are being resampled, MiB; besides them a strip, a
+    /// row of tiles of up to 64 MiB or a row of pixels is held before and after.
     #[arg(long, value_name = "MIB", default_value = "512", value_parser = clap::value_parser!(u32).range(1..), help_heading = ADVANCED)]
     pub memory: u32,
 }

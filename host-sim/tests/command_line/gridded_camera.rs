@@ -269,6 +269,12 @@ fn certificate_states_the_grids_and_its_check_finds_a_changed_or_missing_one() {
     let make = ["certificate", "--camera", "camera.toml", "--out", "out"];
     bench.run(&make).ok();
     let content = json(&bench, "out/certificate.json");
+    let page = fs::read_to_string(bench.path("out/certificate.html")).unwrap();
+    let titles = [
+        "Distortion at rest, measured − ideal",
+        "Residual grids, measured − ideal",
+    ];
+    assert_eq!(titles.map(|title| page.matches(title).count()), [1, 1]);
     let grids = &content["residual_grids"]["grids"];
     assert_eq!(grids[0]["part"], "lens");
     assert_eq!(grids[1]["file"], "s.fmcg");
