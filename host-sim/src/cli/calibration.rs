@@ -146,7 +146,7 @@ pub struct Dlt2dArgs {
     pub grid: bool,
     /// Distance of neighbouring nodes of the grid, mm: a tenth of the shortest wave leaves 0.4 % of
     /// it.
-    #[arg(long, value_name = "MM", value_parser = positive, requires = "grid", help_heading = ADVANCED)]
+    #[arg(long, value_name = "MM", value_parser = positive, allow_negative_numbers = true, requires = "grid", help_heading = ADVANCED)]
     pub pitch_mm: Option<f64>,
     /// Part that carries the grid: lens, which moves with the principal point, or sensor. The table
     /// of one stage position does not tell them apart.
@@ -187,10 +187,10 @@ pub struct AnglesArgs {
     pub along: Option<AlongAxis>,
     /// σ of a place on the line, or of either coordinate of a point, µm; without it a tenth of a
     /// pixel.
-    #[arg(long, value_name = "UM", value_parser = positive, help_heading = ADVANCED)]
+    #[arg(long, value_name = "UM", value_parser = positive, allow_negative_numbers = true, help_heading = ADVANCED)]
     pub sigma_l_um: Option<f64>,
     /// σ of an angle, seconds of arc.
-    #[arg(long, value_name = "ARCSEC", default_value = "0.5", value_parser = positive, help_heading = ADVANCED)]
+    #[arg(long, value_name = "ARCSEC", default_value = "0.5", value_parser = positive, allow_negative_numbers = true, help_heading = ADVANCED)]
     pub sigma_angle_arcsec: f64,
 }
 
@@ -206,7 +206,7 @@ pub struct GridArgs {
     #[command(flatten)]
     pub files: CalibrationFiles,
     /// Distance of neighbouring nodes, mm: a tenth of the shortest wave leaves 0.4 % of it.
-    #[arg(long, value_name = "MM", value_parser = positive)]
+    #[arg(long, value_name = "MM", value_parser = positive, allow_negative_numbers = true)]
     pub pitch_mm: f64,
     /// Part that carries the structure: that of the lens moves with the principal point. Both need
     /// a table of two stage offsets or more.

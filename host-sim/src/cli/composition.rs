@@ -57,22 +57,22 @@ pub struct SceneOptions {
     #[arg(long, value_name = "N", default_value = "8", value_parser = clap::value_parser!(u8).range(1..=16))]
     pub scale: u8,
     /// Standard deviation of the heights of the ground, m.
-    #[arg(long, value_name = "M", default_value = "5", value_parser = between(0.0, 1000.0), help_heading = CAMERA)]
+    #[arg(long, value_name = "M", default_value = "5", value_parser = between(0.0, 1000.0), allow_negative_numbers = true, help_heading = CAMERA)]
     pub relief: f64,
     /// Tilt of the exposures (standard deviation of pitch and roll), degrees.
-    #[arg(long, value_name = "DEG", default_value = "1", value_parser = between(0.0, 5.0), help_heading = CAMERA)]
+    #[arg(long, value_name = "DEG", default_value = "1", value_parser = between(0.0, 5.0), allow_negative_numbers = true, help_heading = CAMERA)]
     pub tilt: f64,
     /// σ of measured image points, px.
-    #[arg(long, value_name = "PX", default_value = "0.25", value_parser = between(0.0, 10.0), help_heading = CAMERA)]
+    #[arg(long, value_name = "PX", default_value = "0.25", value_parser = between(0.0, 10.0), allow_negative_numbers = true, help_heading = CAMERA)]
     pub noise: f64,
     /// σ of each coordinate of control, m.
-    #[arg(long, value_name = "M", default_value = "0.05", value_parser = between(0.0, 10.0), help_heading = CAMERA)]
+    #[arg(long, value_name = "M", default_value = "0.05", value_parser = between(0.0, 10.0), allow_negative_numbers = true, help_heading = CAMERA)]
     pub control_sigma: f64,
     /// Distortion of the lens at the corner, percent of the radius.
-    #[arg(long, value_name = "PERCENT", default_value = "0.05", value_parser = between(-2.0, 2.0), help_heading = CAMERA)]
+    #[arg(long, value_name = "PERCENT", default_value = "0.05", value_parser = between(-2.0, 2.0), allow_negative_numbers = true, help_heading = CAMERA)]
     pub distortion: f64,
     /// Distortion of green's lens at its corner, percent of the radius.
-    #[arg(long, value_name = "PERCENT", default_value = "0.2", value_parser = between(-2.0, 2.0), help_heading = CAMERA)]
+    #[arg(long, value_name = "PERCENT", default_value = "0.2", value_parser = between(-2.0, 2.0), allow_negative_numbers = true, help_heading = CAMERA)]
     pub green_distortion: f64,
     /// Overlap of neighbouring sub-images, px; without it 128 over the scale, at least 64.
     #[arg(long, value_name = "PX", value_parser = clap::value_parser!(u16).range(16..=1024), help_heading = CAMERA)]
@@ -147,7 +147,7 @@ pub struct RigArgs {
     #[arg(id = "of_exposure", long = "exposure", value_name = "NAME", help_heading = WAY)]
     pub exposure: Option<String>,
     /// σ of measured image points, px.
-    #[arg(long, value_name = "PX", default_value = "0.25", value_parser = positive, help_heading = ADVANCED)]
+    #[arg(long, value_name = "PX", default_value = "0.25", value_parser = positive, allow_negative_numbers = true, help_heading = ADVANCED)]
     pub sigma_px: f64,
 }
 
@@ -218,10 +218,10 @@ pub struct StereoArgs {
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// σ of image points, px.
-    #[arg(long, value_name = "PX", default_value = "0.3", value_parser = positive, help_heading = ADVANCED)]
+    #[arg(long, value_name = "PX", default_value = "0.3", value_parser = positive, allow_negative_numbers = true, help_heading = ADVANCED)]
     pub sigma_px: f64,
     /// σ of each coordinate of control, m.
-    #[arg(long, value_name = "M", default_value = "0.05", value_parser = positive, help_heading = ADVANCED)]
+    #[arg(long, value_name = "M", default_value = "0.05", value_parser = positive, allow_negative_numbers = true, help_heading = ADVANCED)]
     pub control_sigma: f64,
 }
 

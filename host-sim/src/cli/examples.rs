@@ -269,6 +269,7 @@ Examples:
 
 #[cfg(test)]
 mod tests {
+    use std::any::TypeId;
     use std::collections::BTreeSet;
     use std::path::Path;
 
@@ -324,6 +325,26 @@ mod tests {
                 }
             }
         }
+    }
+
+    /// A negative number is a value, which is refused by its range, and no unknown option.
+    #[test]
+    fn numbers_of_options_may_be_negative() {
+        let is_number = |option: &&clap::Arg| {
+            let kind = option.get_value_parser().type_id();
+            kind == TypeId::of::<f64>() || kind == TypeId::of::<f32>()
+        };
+        let (mut numbers, mut unsigned) = (0, Vec::new());
+        for (path, command) in commands() {
+            for option in command.get_opts().filter(is_number) {
+                numbers += 1;
+                if !option.is_allow_negative_numbers_set() {
+                    unsigned.push(format!("{} --{}", path.join(" "), option.get_id()));
+                }
+            }
+        }
+        assert_eq!(unsigned, [""; 0]);
+        assert!(numbers > 20, "{numbers}");
     }
 
     #[test]

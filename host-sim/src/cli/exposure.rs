@@ -22,7 +22,7 @@ pub struct ExposureArgs {
     #[arg(long, value_name = "DIRECTION", default_value = "forward", help_heading = ADVANCED)]
     pub direction: DirectionName,
     /// Exposure time, first light to last: seconds or a fraction such as 1/200.
-    #[arg(long, value_name = "S", required = true, value_parser = exposure_time, allow_hyphen_values = true)]
+    #[arg(long, value_name = "S", required = true, value_parser = exposure_time, allow_negative_numbers = true, allow_hyphen_values = true)]
     pub exposure: Option<f64>,
     /// Offset of the principal point from its calibrated place when the shutter opens, along the
     /// FMC axis, mm; overrides the planned run-up.

@@ -25,7 +25,7 @@ pub struct RenderArgs {
     #[arg(long, value_name = "IMAGE.tif", help_heading = PATTERN, conflicts_with_all = ["periods", "seed", "bands", "bits"])]
     pub image: Option<PathBuf>,
     /// Periods of the waves, pixels; 12 to 100000.
-    #[arg(long, value_name = "PX,PX", value_delimiter = ',', help_heading = PATTERN, default_value = "12,18,27,40,60,90,135,200", value_parser = period)]
+    #[arg(long, value_name = "PX,PX", value_delimiter = ',', help_heading = PATTERN, default_value = "12,18,27,40,60,90,135,200", value_parser = period, allow_negative_numbers = true)]
     pub periods: Vec<f64>,
     /// Seed of the waves' directions and phases.
     #[arg(long, value_name = "N", default_value = "1", help_heading = PATTERN)]
@@ -58,10 +58,10 @@ pub struct CompareArgs {
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Longest shift of a block that passes, pixels; beyond it the exit code is 1.
-    #[arg(long, value_name = "PX", value_parser = finite)]
+    #[arg(long, value_name = "PX", value_parser = finite, allow_negative_numbers = true)]
     pub max_px: Option<f64>,
     /// Largest difference of a grey value that passes, counts; beyond it the exit code is 1.
-    #[arg(long, value_name = "COUNTS", value_parser = finite)]
+    #[arg(long, value_name = "COUNTS", value_parser = finite, allow_negative_numbers = true)]
     pub max_grey: Option<f64>,
 }
 

@@ -19,7 +19,7 @@ pub struct SmearArgs {
     #[command(flatten)]
     pub vh: VhOption,
     /// Exposure time, first light to last: seconds or a fraction such as 1/200.
-    #[arg(long, value_name = "S", value_parser = exposure_time, allow_hyphen_values = true)]
+    #[arg(long, value_name = "S", value_parser = exposure_time, allow_negative_numbers = true, allow_hyphen_values = true)]
     pub exposure: f64,
     /// Excess of the V/H that the camera compensates over the true V/H, per cent; -50 to 50.
     #[arg(long, value_name = "PERCENT", default_value = "0", value_parser = finite, allow_negative_numbers = true, help_heading = ADVANCED)]

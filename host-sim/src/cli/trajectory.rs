@@ -62,7 +62,7 @@ pub struct TrajectoryArgs {
         long,
         value_name = "S",
         requires = "trajectory",
-        value_parser = positive,
+        value_parser = positive, allow_negative_numbers = true,
         default_value_t = LONGEST_GAP_S
     )]
     pub trajectory_gap: f64,

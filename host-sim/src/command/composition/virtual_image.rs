@@ -427,7 +427,7 @@ impl Summary {
         ));
         if let Some(green) = &self.green {
             lines.push(format!(
-                "Green: {} of {} windows, {} outliers, residual {:.3} px of the virtual image ({:.3} of green); displaced by {:.2} px, largest {:.2} px, σ {:.3} px.",
+                "Green: {} of {} windows, {} rejected, residual {:.3} px of the virtual image ({:.3} of green); displaced by {:.2} px, largest {:.2} px, σ {:.3} px.",
                 green.kept,
                 green.windows,
                 green.outliers,
