@@ -1,6 +1,10 @@
-//! Cameras of several detectors: `scene`, `calibrate radiometry`, `calibrate rig`, `virtual`.
+//! Cameras of several detectors: `scene`, `calibrate radiometry`, `calibrate rig`, `virtual`,
+//! `stereo`, `dmz`.
 
+use std::fmt::Write as _;
 use std::fs;
+
+use fmc_composition::scene::{Scene, SceneRequest};
 
 use crate::command_line::support::Bench;
 
@@ -219,4 +223,78 @@ fn images_that_are_missing_or_say_nothing_are_named() {
     ];
     bench.run(&radiometry).refused(&["darks", "no 3_NN.tif"]);
     assert!(!bench.path("out").exists() && !bench.path("rad").exists());
+}
+
+/// Marks of both true virtual images, as `stereo` reads them.
+fn marks_of_the_truth(request: SceneRequest) -> String {
+    let scene = Scene::new(request);
+    let mut text = "id,image,col_px,row_px,x_m,y_m,z_m\n".to_owned();
+    for mark in &scene.marks {
+        let [x, y, z] = mark.ground_m;
+        for (number, exposure) in [("1", 0), ("2", 1)] {
+            let [col, row] = scene.virtual_of_ground(exposure, mark.ground_m).unwrap();
+            let size_px = [scene.rig.frame.width_px, scene.rig.frame.height_px];
+            let [width, height] = size_px.map(|side| f64::from(u32::try_from(side).unwrap()));
+            if (10.0..width - 10.0).contains(&col) && (10.0..height - 10.0).contains(&row) {
+                writeln!(text, "{},{number},{col},{row},{x},{y},{z}", mark.id).unwrap();
+            }
+        }
+    }
+    text
+}
+
+#[test]
+fn publication_is_repeated_within_its_limits_and_true_virtual_images_are_a_stereo_pair() {
+    let bench = Bench::new();
+    let answer = bench.run(&["dmz", "--scale", "16", "--seed", "3", "--out", "dmz"]);
+    answer.ok();
+    let found = summary(&bench, "dmz/summary.json");
+    let checks = found.as_array().unwrap();
+    assert!(checks.len() >= 26, "{found}");
+    for check in checks {
+        assert_eq!(check["passed"], true, "{check}");
+        assert!(check["found"].as_f64().unwrap() > 0.0, "{check}");
+    }
+    let marks = marks_of_the_truth(SceneRequest {
+        scale: 16,
+        seed: 3,
+        ..SceneRequest::default()
+    });
+    fs::write(bench.path("marks.csv"), &marks).unwrap();
+    let rig = [
+        "stereo",
+        "--rig",
+        "dmz/scene/rig.toml",
+        "--marks",
+        "marks.csv",
+        "--out",
+        "stereo",
+    ];
+    let truth = "dmz/scene/truth";
+    let images = [
+        format!("{truth}/virtual_8_10.tif"),
+        format!("{truth}/virtual_8_11.tif"),
+    ];
+    let pair = [&images[0][..], &images[1]];
+    let answer = bench.run(&[&rig[..], &pair].concat()).ok();
+    assert!(answer.stdout.contains("40: σ0"), "{}", answer.stdout);
+    assert!(
+        answer.stdout.contains("no check point"),
+        "{}",
+        answer.stdout
+    );
+    let found = summary(&bench, "stereo/summary.json");
+    for layout in &found.as_array().unwrap()[..2] {
+        let checked = layout["result"]["check_m"].as_array().unwrap();
+        // Marks without noise: what is left is matching, and the control's σ that is stated.
+        assert!(
+            checked.iter().all(|m| m.as_f64().unwrap() < 0.05),
+            "{layout}"
+        );
+    }
+    let wrong = marks.replacen(",1,", ",3,", 1);
+    fs::write(bench.path("marks.csv"), wrong).unwrap();
+    bench
+        .run(&[&rig[..], &pair].concat())
+        .refused(&["marks.csv, line", "image = 3", "1, 2"]);
 }

@@ -8,8 +8,10 @@ use super::marks::marks;
 use crate::number::real;
 use crate::rig::control::{ControlPoint, Place, Tie};
 
-/// Distance from the edge of a sub-image within which no point is measured, px.
+/// Distance of the outermost pixels' centres within which no point is measured, px.
 const EDGE_PX: f64 = 2.0;
+/// The same of the edge of a sub-image, beyond which an error of measurement may not put a point.
+const SENSOR_EDGE_PX: f64 = -0.5;
 
 impl Scene {
     /// Returns the true place of a ground point in the virtual image of an exposure; `None` of one
@@ -44,15 +46,12 @@ impl Scene {
                     continue;
                 };
                 let error_px = of_image.next([self.request.noise_px; 2]);
-                if is_inside(sub.size_px(), pixel) {
+                if let Some(pixel) = measured(sub.size_px(), pixel, error_px) {
                     let [x, y, z] = mark.ground_m;
                     control.push(ControlPoint {
                         id: mark.id.clone(),
                         exposure: name.clone(),
-                        place: Place {
-                            sub: number,
-                            pixel: [pixel[0] + error_px[0], pixel[1] + error_px[1]],
-                        },
+                        place: Place { sub: number, pixel },
                         ground_m: [x + error_m[0], y + error_m[1], z + error_m[2]],
                         sigma_m: sigma_m.max(1e-3),
                         line: 0,
@@ -78,11 +77,9 @@ impl Scene {
                     let places = [first, second].map(|sub| {
                         let description = self.rig.sub.get(sub)?;
                         let pixel = self.truth.pixel(description, sub, *place)?;
-                        let [by_col, by_row] = noise.next([self.request.noise_px; 2]);
-                        is_inside(description.size_px(), pixel).then_some(Place {
-                            sub,
-                            pixel: [pixel[0] + by_col, pixel[1] + by_row],
-                        })
+                        let error_px = noise.next([self.request.noise_px; 2]);
+                        let pixel = measured(description.size_px(), pixel, error_px)?;
+                        Some(Place { sub, pixel })
                     });
                     if let [Some(one), Some(other)] = places {
                         ties.push(Tie {
@@ -114,10 +111,18 @@ impl Scene {
     }
 }
 
-fn is_inside([width, height]: [usize; 2], [col, row]: [f64; 2]) -> bool {
-    let [width, height] = [real(width), real(height)];
-    (EDGE_PX..width - 1.0 - EDGE_PX).contains(&col)
-        && (EDGE_PX..height - 1.0 - EDGE_PX).contains(&row)
+/// Returns the measured place of a point; `None` of one that is too near to the edge, or that its
+/// error puts off the sub-image.
+fn measured(size_px: [usize; 2], pixel: [f64; 2], error_px: [f64; 2]) -> Option<[f64; 2]> {
+    let found = [pixel[0] + error_px[0], pixel[1] + error_px[1]];
+    let is_seen = is_inside(size_px, pixel, EDGE_PX) && is_inside(size_px, found, SENSOR_EDGE_PX);
+    is_seen.then_some(found)
+}
+
+fn is_inside([width, height]: [usize; 2], [col, row]: [f64; 2], edge_px: f64) -> bool {
+    let is_between =
+        |place: f64, count: usize| (edge_px..=real(count) - 1.0 - edge_px).contains(&place);
+    is_between(col, width) && is_between(row, height)
 }
 
 /// Returns the corners of the nominal overlap of two neighbours in the virtual image; `None` where

@@ -241,3 +241,52 @@ fn wrong_points_are_named_or_rejected() {
     let rejected: Vec<&str> = found.rejected().map(|one| one.id.as_str()).collect();
     assert_eq!(rejected, [wrong]);
 }
+
+fn noisy(noise_px: f64) -> Scene {
+    Scene::new(SceneRequest {
+        scale: 16,
+        noise_px,
+        ..SceneRequest::default()
+    })
+}
+
+#[test]
+fn noise_puts_no_point_off_its_sub_image() {
+    let scene = noisy(4.0);
+    let seen = measurements(&scene, &[0, 1], true);
+    let places = seen.control.iter().map(|point| point.place);
+    let places = places.chain(seen.ties.iter().flat_map(|tie| tie.places));
+    let mut judged = 0;
+    for place in places {
+        let size_px = scene.rig.sub[place.sub].size_px();
+        let [width, height] = size_px.map(|side| f64::from(u32::try_from(side).unwrap()));
+        let [col, row] = place.pixel;
+        assert!((-0.5..width - 0.5).contains(&col), "{place:?}");
+        assert!((-0.5..height - 0.5).contains(&row), "{place:?}");
+        judged += 1;
+    }
+    assert!(judged > 500, "{judged}");
+}
+
+#[test]
+fn coarse_points_take_more_rounds_and_leave_their_sigma() {
+    let scene = noisy(1.5);
+    let seen = measurements(&scene, &[0, 1], true);
+    let options = RigOptions {
+        sigma_px: 1.5,
+        ..OPTIONS
+    };
+    let found = calibrate(&scene.rig, &seen, &options).unwrap();
+    assert!((0.9..1.1).contains(&found.sigma0), "{}", found.sigma0);
+    let options = RigOptions {
+        sigma_px: 3.0,
+        ..OPTIONS
+    };
+    let scene = noisy(3.0);
+    let refused = calibrate(&scene.rig, &measurements(&scene, &[0, 1], true), &options);
+    let refused = refused.unwrap_err().to_string();
+    assert!(
+        refused.contains("at its worst place; allowed: 3 px"),
+        "{refused}"
+    );
+}

@@ -25,9 +25,10 @@ const LOOSE_PX: f64 = 20.0;
 /// σ of a movement, px, up to which the data separate it from the orientations.
 const SEPARATE_PX: f64 = 0.3;
 /// Largest number of rounds of the linearised adjustment, which ends when no coefficient changes
-/// by more than [`CLOSE_PX`].
-const ROUNDS: usize = 30;
-const CLOSE_PX: f64 = 1e-7;
+/// by more than [`CLOSE_SIGMA`] of the σ of an image point: with large errors every round takes
+/// only a third of what is left.
+const ROUNDS: usize = 60;
+const CLOSE_SIGMA: f64 = 4e-7;
 /// Residual in σ, or in robust deviations, beyond which a point is a gross error.
 const GROSS: f64 = 4.5;
 /// One point in so many may be rejected.
@@ -250,7 +251,7 @@ impl System<'_> {
                     *orientation = ExteriorOrientation::from_elements(&elements);
                 }
             }
-            if largest < CLOSE_PX {
+            if largest < CLOSE_SIGMA * self.options.sigma_px {
                 return Ok((state, solved));
             }
         }
