@@ -57,9 +57,6 @@ pub(crate) fn run(workspace: &Workspace, update: bool) -> Result<ExitCode> {
         &targets.armv7em,
         &emulator,
     )?];
-    let timed = host::times(workspace)?;
-    let rows = comparison::rows(&counted, &cycles, timed);
-    print!("{}", cost::text(&rows)?);
     for load in load::loads(&counted) {
         eprintln!("{load}");
     }
@@ -69,13 +66,19 @@ pub(crate) fn run(workspace: &Workspace, update: bool) -> Result<ExitCode> {
     for finding in limit::held(&limit::read(&workspace.root)?, &measured) {
         eprintln!("note: {finding}");
     }
+    if update {
+        cost::replace(&workspace.root, counted.clone())?;
+        cost::replace(&workspace.root, footprint)?;
+    }
+    // The times of the PC come last: they take minutes.
+    let timed = host::times(workspace)?;
+    let rows = comparison::rows(&counted, &cycles, timed);
+    print!("{}", cost::text(&rows)?);
     let compared: Vec<_> = rows
         .into_iter()
         .filter(comparison::Row::is_compared)
         .collect();
     let (tables, figures) = if update {
-        cost::replace(&workspace.root, counted)?;
-        cost::replace(&workspace.root, footprint)?;
         let docs = workspace.root.join("docs");
         (docs.clone(), docs.join("figures"))
     } else {
