@@ -1,4 +1,6 @@
-//! Conversions between counts, pixels and real numbers.
+//! Conversions between counts, pixels and real numbers; mean square and median.
+
+use statrs::statistics::{Data, Median as _};
 
 /// Returns a count as a real number.
 #[expect(clippy::cast_precision_loss, reason = "a number of pixels or points")]
@@ -52,8 +54,6 @@ pub fn rms(values: impl IntoIterator<Item = f64>) -> Option<f64> {
 
 /// Median; `None` of nothing.
 #[must_use]
-pub fn median(mut values: Vec<f64>) -> Option<f64> {
-    values.sort_by(f64::total_cmp);
-    let middle = values.len().checked_sub(1)? / 2;
-    values.get(middle).copied()
+pub fn median(values: Vec<f64>) -> Option<f64> {
+    (!values.is_empty()).then(|| Data::new(values).median())
 }
