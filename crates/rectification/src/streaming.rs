@@ -266,6 +266,8 @@ impl<S: Sample, R: RowSource<S>> Reader<'_, R, S> {
 struct OutputRows<S> {
     samples: Vec<S>,
     mask: Vec<u8>,
+    /// The rows have been written: what the buffers hold is overwritten by the next ones.
+    are_written: bool,
 }
 
 impl<S: Sample> OutputRows<S> {
@@ -281,6 +283,7 @@ impl<S: Sample> OutputRows<S> {
         let row_samples = width * source.bands();
         self.samples.resize(count * row_samples, S::default());
         self.mask.resize(count * width, 0);
+        self.are_written = false;
         let out = self.samples.par_chunks_exact_mut(row_samples);
         let mask = self.mask.par_chunks_exact_mut(width);
         rows.into_par_iter()
@@ -293,13 +296,12 @@ impl<S: Sample> OutputRows<S> {
             .try_reduce(|| 0, |one, other| Ok(one + other))
     }
 
-    /// Writes the rows, and forgets them.
+    /// Writes the rows that have not been written.
     fn write<W: RowSink<S>>(&mut self, sink: &mut W) -> Result<(), W::Error> {
-        if !self.samples.is_empty() {
+        if !self.samples.is_empty() && !self.are_written {
             sink.write(&self.samples, &self.mask)?;
         }
-        self.samples.clear();
-        self.mask.clear();
+        self.are_written = true;
         Ok(())
     }
 }
