@@ -8,7 +8,7 @@ use fmc_frames::FrameCamera;
 
 use super::exposure::Exposures;
 use super::frame::{FrameRectifier, Rectified};
-use super::manifest::{Manifest, Row};
+use super::manifest::{self, Manifest, Row};
 use super::notes::Notes;
 use super::progress::Progress;
 use super::recorded_frame;
@@ -74,6 +74,7 @@ impl Block<'_> {
                 .map_err(|error| Failure::writing(folder.display(), &error))?;
             self.check_camera()?;
         }
+        let is_new = !self.folder.path().join(manifest::name(options.shard)).exists();
         let manifest = Manifest::open(self.folder.path(), options.shard)?;
         let tasks = if options.resume {
             self.left(tasks, &manifest)?
@@ -85,7 +86,11 @@ impl Block<'_> {
             self.write_camera()?;
         }
         let done = self.rectify_all(&tasks, &manifest);
-        let compacted = manifest.keep_last_rows();
+        let compacted = if done.is_err() && is_new && !self.is_part_of_a_block() {
+            manifest.remove_without_frames()
+        } else {
+            manifest.keep_last_rows()
+        };
         let failures = done?;
         compacted?;
         self.folder.sync()?;
@@ -101,6 +106,12 @@ impl Block<'_> {
                 "{failed} of {all} frames failed; the manifest has the reason of each"
             ))),
         }
+    }
+
+    /// Returns true if another run goes on with the folder, and needs the exit codes.
+    fn is_part_of_a_block(&self) -> bool {
+        let options = &self.args.block;
+        options.keep_going || options.resume || options.shard.is_some()
     }
 
     fn rectify_all(&self, tasks: &[FrameTask], manifest: &Manifest) -> Result<Failures, Failure> {

@@ -1,7 +1,7 @@
 //! manifest.csv: what became of every frame of a block.
 
 use std::collections::{HashMap, HashSet};
-use std::fs::File;
+use std::fs::{self, File};
 use std::io::{self, Read as _, Seek as _, SeekFrom, Write as _};
 use std::path::{Path, PathBuf};
 
@@ -130,6 +130,21 @@ impl Manifest {
         replaced().map_err(|error| self.failed(&error))
     }
 
+    /// Keeps the last row of every frame, or removes the manifest if no row says that a frame is
+    /// done.
+    ///
+    /// # Errors
+    /// [`Failure`] naming the file.
+    pub(super) fn remove_without_frames(&self) -> Result<(), Failure> {
+        let mut file = self.locked().map_err(|error| self.failed(&error))?;
+        let rows = self.rows(&mut file)?;
+        if rows.iter().any(|row| row.get(2) == Some("0")) {
+            drop(file);
+            return self.keep_last_rows();
+        }
+        fs::remove_file(&self.path).map_err(|error| self.failed(&error))
+    }
+
     /// Reads the rows of a file that is locked.
     fn rows(&self, file: &mut File) -> Result<Vec<StringRecord>, Failure> {
         let mut text = Vec::new();
@@ -229,8 +244,6 @@ fn end_at_whole_row(file: &mut File) -> io::Result<()> {
 
 #[cfg(test)]
 mod tests {
-    use std::fs;
-
     use super::*;
 
     fn row(file: &str) -> Row {
@@ -250,6 +263,26 @@ mod tests {
 
     fn opened(folder: &Path) -> Manifest {
         Manifest::open(folder, None).unwrap()
+    }
+
+    #[test]
+    fn manifest_without_a_finished_frame_can_be_removed_and_another_not() {
+        let folder = tempfile::tempdir().unwrap();
+        let manifest = opened(folder.path());
+        let failed = Row {
+            status: 2,
+            output: None,
+            ..row("1.tif")
+        };
+        manifest.append(&failed).unwrap();
+        manifest.append(&row("2.tif")).unwrap();
+        manifest.remove_without_frames().unwrap();
+        let path = folder.path().join("manifest.csv");
+        assert!(path.exists());
+        fs::remove_file(&path).unwrap();
+        manifest.append(&failed).unwrap();
+        manifest.remove_without_frames().unwrap();
+        assert!(!path.exists());
     }
 
     #[test]
