@@ -1,6 +1,7 @@
 //! Proof, by bounds, that a distortion polynomial does not fold the image.
 
 use super::evaluation_form::EvaluationForm;
+use super::hypotenuse::hypotenuse;
 use super::interval::{Interval, cubic_range, lesser};
 
 /// Smallest scale `∂(ideal)/∂(measured)` that a calibration may have anywhere. Below it the image
@@ -30,7 +31,7 @@ impl Region {
     /// Returns the distance of the corner, mm.
     #[must_use]
     pub fn radius_mm(&self) -> f32 {
-        libm::hypotf(self.reach_x, self.reach_y)
+        hypotenuse(self.reach_x, self.reach_y)
     }
 }
 
@@ -139,8 +140,8 @@ fn disc_slopes(form: &EvaluationForm, radius: f32) -> (f32, f32) {
         }
     }
     let decentring =
-        2.0 * (libm::hypotf(form.hx, form.hy) + libm::hypotf(form.gx, form.gy)) * radius;
-    let affinity = libm::hypotf(form.b1, form.b2);
+        2.0 * (hypotenuse(form.hx, form.hy) + hypotenuse(form.gx, form.gy)) * radius;
+    let affinity = hypotenuse(form.b1, form.b2);
     (
         highest + decentring + 0.5 * (form.b1 + affinity),
         largest + decentring + affinity,
@@ -154,8 +155,8 @@ fn largest_displacement(form: &EvaluationForm, radius: f32) -> f32 {
         hi: radius * radius,
     };
     let gain = cubic_range([form.k0, form.k1, form.k2, form.k3], squares).largest();
-    let decentring = libm::hypotf(form.hx, form.hy) + libm::hypotf(form.gx, form.gy);
-    radius * (gain + decentring * radius + libm::hypotf(form.b1, form.b2))
+    let decentring = hypotenuse(form.hx, form.hy) + hypotenuse(form.gx, form.gy);
+    radius * (gain + decentring * radius + hypotenuse(form.b1, form.b2))
 }
 
 /// Returns a lower bound of the scale over one box.
