@@ -77,6 +77,7 @@ impl core::ops::Add for Interval {
 
 impl core::ops::Mul for Interval {
     type Output = Self;
+    #[inline(never)]
     fn mul(self, other: Self) -> Self {
         let low = self.scaled(other.lo);
         let high = self.scaled(other.hi);

@@ -159,6 +159,36 @@ fn largest_displacement(form: &EvaluationForm, radius: f32) -> f32 {
     radius * (gain + decentring * radius + hypotenuse(form.b1, form.b2))
 }
 
+/// What tells the derivatives of one component of the distortion from those of the other.
+struct Component {
+    gain: Interval,
+    twice_slope: Interval,
+    /// X·Y times twice the slope.
+    mixed: Interval,
+    /// Range of its own coordinate.
+    along: Interval,
+    /// Range of the other coordinate.
+    across: Interval,
+    h: f32,
+    other_h: f32,
+    g: f32,
+    b: [f32; 2],
+}
+
+/// Returns the ranges of a component's derivatives by its own coordinate and by the other.
+#[inline(never)]
+fn derivatives(of: Component) -> [Interval; 2] {
+    let [b_along, b_across] = of.b;
+    let Component { along, across, .. } = of;
+    [
+        of.gain
+            + along.squared() * of.twice_slope
+            + along.scaled(2.0 * (of.h + of.g))
+            + across.scaled(of.other_h).shifted(b_along),
+        of.mixed + along.scaled(of.other_h) + across.scaled(2.0 * of.g).shifted(b_across),
+    ]
+}
+
 /// Returns a lower bound of the scale over one box.
 fn box_scale(form: &EvaluationForm, x: Interval, y: Interval, added_slope: f32) -> f32 {
     let squares = x.squared() + y.squared();
@@ -168,15 +198,29 @@ fn box_scale(form: &EvaluationForm, x: Interval, y: Interval, added_slope: f32) 
     if !(gain.is_finite() && twice_slope.is_finite()) {
         return f32::NAN;
     }
-    let dx_by_x = gain
-        + x.squared() * twice_slope
-        + x.scaled(2.0 * (form.hx + form.gx))
-        + y.scaled(form.hy).shifted(form.b1);
-    let dy_by_y =
-        gain + y.squared() * twice_slope + y.scaled(2.0 * (form.hy + form.gy)) + x.scaled(form.hx);
     let mixed = x * y * twice_slope;
-    let dx_by_y = mixed + x.scaled(form.hy) + y.scaled(2.0 * form.gx).shifted(form.b2);
-    let dy_by_x = mixed + y.scaled(form.hx) + x.scaled(2.0 * form.gy);
+    let [dx_by_x, dx_by_y] = derivatives(Component {
+        gain,
+        twice_slope,
+        mixed,
+        along: x,
+        across: y,
+        h: form.hx,
+        other_h: form.hy,
+        g: form.gx,
+        b: [form.b1, form.b2],
+    });
+    let [dy_by_y, dy_by_x] = derivatives(Component {
+        gain,
+        twice_slope,
+        mixed,
+        along: y,
+        across: x,
+        h: form.hy,
+        other_h: form.hx,
+        g: form.gy,
+        b: [0.0; 2],
+    });
     let scale_x = 1.0 - dx_by_x.hi - added_slope;
     let scale_y = 1.0 - dy_by_y.hi - added_slope;
     let mixing = (dx_by_y.largest() + added_slope) * (dy_by_x.largest() + added_slope);

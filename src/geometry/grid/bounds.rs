@@ -1,5 +1,6 @@
 //! Bounds of the slope and of the curvature of a residual grid, from its coefficients.
 
+use crate::geometry::hypotenuse::hypotenuse;
 use super::header::GridHeader;
 use super::node::{NODE_BYTES, components};
 
@@ -57,7 +58,7 @@ impl GridBounds {
     #[must_use]
     pub fn slope(&self) -> f32 {
         let [x, y] = self.slopes;
-        libm::hypotf(x, y) * OUTWARDS
+        hypotenuse(x, y) * OUTWARDS
     }
 
     /// Returns a bound of the mean over the exposure less the value at the centroid, mm: per
