@@ -322,6 +322,7 @@ fn evaluated<D: ExposureDistortion>(exposure: &D, measured: SensorPoint) -> Disp
 }
 
 /// Returns the displacement, shortened if it would leave the sensor.
+#[inline(never)]
 fn on_sensor(polynomial: &FrameCorrection, ideal: SensorPoint, d: Displacement) -> Displacement {
     let point = shifted(ideal, d);
     let clamped = polynomial.clamped(point);

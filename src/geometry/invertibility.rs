@@ -84,19 +84,21 @@ pub fn least_scale(form: &EvaluationForm, region: Region, added_slope: f32) -> R
     };
     let x = Interval::around_zero(region.reach_x);
     let y = Interval::around_zero(region.reach_y);
-    for (x, y) in boxes(x, y, PIECES) {
-        let mut scale = box_scale(form, x, y, added_slope);
-        if scale < MIN_SCALE {
-            scale = boxes(x, y, SUB_BOXES)
-                .map(|(x, y)| box_scale(form, x, y, added_slope))
-                .fold(f32::INFINITY, lesser);
-        }
-        if scale.is_nan() || scale < worst.scale {
-            worst = Folds {
-                scale,
-                x: x.middle(),
-                y: y.middle(),
-            };
+    for column in 0..PIECES {
+        let x = x.piece(column, PIECES);
+        for row in 0..PIECES {
+            let y = y.piece(row, PIECES);
+            let mut scale = box_scale(form, x, y, added_slope);
+            if scale < MIN_SCALE {
+                scale = sub_box_scale(form, x, y, added_slope);
+            }
+            if scale.is_nan() || scale < worst.scale {
+                worst = Folds {
+                    scale,
+                    x: x.middle(),
+                    y: y.middle(),
+                };
+            }
         }
     }
     // λ < 1 alone makes the map one-to-one, and Newton's method does not need q.
@@ -112,11 +114,17 @@ pub fn least_scale(form: &EvaluationForm, region: Region, added_slope: f32) -> R
     }
 }
 
-/// Cuts a rectangle into `pieces` x `pieces` boxes.
-fn boxes(x: Interval, y: Interval, pieces: u8) -> impl Iterator<Item = (Interval, Interval)> {
-    (0..pieces).flat_map(move |column| {
-        (0..pieces).map(move |row| (x.piece(column, pieces), y.piece(row, pieces)))
-    })
+/// Returns a lower bound of the scale over one box, of those over its parts.
+fn sub_box_scale(form: &EvaluationForm, x: Interval, y: Interval, added_slope: f32) -> f32 {
+    let mut scale = f32::INFINITY;
+    for column in 0..SUB_BOXES {
+        let x = x.piece(column, SUB_BOXES);
+        for row in 0..SUB_BOXES {
+            let y = y.piece(row, SUB_BOXES);
+            scale = lesser(scale, box_scale(form, x, y, added_slope));
+        }
+    }
+    scale
 }
 
 /// Returns λ and q of [`least_scale`] (`docs/derivations/invertibility.py`) over the disc of radius

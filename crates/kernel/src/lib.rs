@@ -32,8 +32,11 @@ pub mod portable;
     any(target_arch = "x86_64", target_arch = "aarch64")
 ))]
 pub mod resampling;
+mod root;
 #[cfg(hand_scheduled)]
 mod thumbv7em;
+
+pub use root::sqrt;
 
 /// Terms of the correction that are evaluated for every point of a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

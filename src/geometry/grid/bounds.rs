@@ -100,7 +100,7 @@ impl Differences {
         reason = "rounded by half a unit, which OUTWARDS makes good"
     )]
     fn slope(self) -> f32 {
-        libm::sqrtf(self.first2 as f32)
+        fmc_camera_kernel::sqrt(self.first2 as f32)
     }
 
     #[expect(

@@ -141,12 +141,14 @@ impl Identity {
         }
     }
 
+    #[inline(never)]
     fn numbers(&mut self, numbers: &[f32]) {
         for number in numbers {
             self.number(*number);
         }
     }
 
+    #[inline(never)]
     fn number(&mut self, number: f32) {
         self.0.update(&number.to_le_bytes());
     }
@@ -164,6 +166,7 @@ impl Identity {
         self.byte(low);
     }
 
+    #[inline(never)]
     fn byte(&mut self, byte: u8) {
         self.0.update(&[byte]);
     }
