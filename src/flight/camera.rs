@@ -315,12 +315,12 @@ impl Camera {
             CorrectionModel::Exact => (
                 Fold::exact(&self.calibration, motion, &focus),
                 focus.enlargement(),
-                self.lens_grid,
+                self.lens_grid.as_ref(),
             ),
             CorrectionModel::Fitted => (
                 Fold::five_coefficient(&self.calibration, motion).ok_or(FrameError::NotFitted)?,
                 0.0,
-                self.lens_grid,
+                self.lens_grid.as_ref(),
             ),
             CorrectionModel::Static => (Fold::without_motion(&self.calibration), 0.0, None),
         };

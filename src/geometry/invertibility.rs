@@ -71,8 +71,12 @@ pub struct Folds {
 /// [`Folds`] if the scale cannot be shown to stay at or above [`MIN_SCALE`].
 pub fn least_scale(form: &EvaluationForm, region: Region, added_slope: f32) -> Result<f32, Folds> {
     let radius = region.radius_mm();
-    let reach = radius + largest_displacement(form, radius);
-    let (lambda, q) = disc_slopes(form, reach);
+    let lengths = Lengths {
+        decentring: hypotenuse(form.hx, form.hy) + hypotenuse(form.gx, form.gy),
+        affinity: hypotenuse(form.b1, form.b2),
+    };
+    let reach = radius + largest_displacement(form, &lengths, radius);
+    let (lambda, q) = disc_slopes(form, &lengths, reach);
     let of_disc = 1.0 - lambda - added_slope;
     if of_disc >= 1.0 - MAX_DISC_SLOPE && q + added_slope <= MAX_DISC_SLOPE {
         return Ok(of_disc);
@@ -114,6 +118,14 @@ pub fn least_scale(form: &EvaluationForm, region: Region, added_slope: f32) -> R
     }
 }
 
+/// Lengths of the vectors of a form.
+struct Lengths {
+    /// `|h| + |g⃗|`.
+    decentring: f32,
+    /// `hypot(b₁, b₂)`.
+    affinity: f32,
+}
+
 /// Returns a lower bound of the scale over one box, of those over its parts.
 fn sub_box_scale(form: &EvaluationForm, x: Interval, y: Interval, added_slope: f32) -> f32 {
     let mut scale = f32::INFINITY;
@@ -129,7 +141,7 @@ fn sub_box_scale(form: &EvaluationForm, x: Interval, y: Interval, added_slope: f
 
 /// Returns λ and q of [`least_scale`] (`docs/derivations/invertibility.py`) over the disc of radius
 /// `radius` mm.
-fn disc_slopes(form: &EvaluationForm, radius: f32) -> (f32, f32) {
+fn disc_slopes(form: &EvaluationForm, lengths: &Lengths, radius: f32) -> (f32, f32) {
     let radial = [form.k0, form.k1, form.k2, form.k3];
     let [k0, k1, k2, k3] = radial;
     let along_radius = [k0, 3.0 * k1, 5.0 * k2, 7.0 * k3];
@@ -147,9 +159,8 @@ fn disc_slopes(form: &EvaluationForm, radius: f32) -> (f32, f32) {
             largest = -lesser(-largest, -range.largest());
         }
     }
-    let decentring =
-        2.0 * (hypotenuse(form.hx, form.hy) + hypotenuse(form.gx, form.gy)) * radius;
-    let affinity = hypotenuse(form.b1, form.b2);
+    let decentring = 2.0 * lengths.decentring * radius;
+    let affinity = lengths.affinity;
     (
         highest + decentring + 0.5 * (form.b1 + affinity),
         largest + decentring + affinity,
@@ -157,14 +168,13 @@ fn disc_slopes(form: &EvaluationForm, radius: f32) -> (f32, f32) {
 }
 
 /// Returns a bound on |D| over the disc of radius `radius` mm.
-fn largest_displacement(form: &EvaluationForm, radius: f32) -> f32 {
+fn largest_displacement(form: &EvaluationForm, lengths: &Lengths, radius: f32) -> f32 {
     let squares = Interval {
         lo: 0.0,
         hi: radius * radius,
     };
     let gain = cubic_range([form.k0, form.k1, form.k2, form.k3], squares).largest();
-    let decentring = hypotenuse(form.hx, form.hy) + hypotenuse(form.gx, form.gy);
-    radius * (gain + decentring * radius + hypotenuse(form.b1, form.b2))
+    radius * (gain + lengths.decentring * radius + lengths.affinity)
 }
 
 /// What tells the derivatives of one component of the distortion from those of the other.
