@@ -72,7 +72,10 @@ impl PreparedCamera {
     }
 
     /// Returns a camera whose flight has not begun. It is inlined, so that it is made in its place.
-    #[expect(clippy::inline_always, reason = "a call would return 11 kB on the stack")]
+    #[expect(
+        clippy::inline_always,
+        reason = "a call would return 11 kB on the stack"
+    )]
     #[inline(always)]
     fn unprepared(camera: Camera, settings: &FlightSettings) -> Self {
         Self {

@@ -124,12 +124,7 @@ impl Coefficients {
     /// the centre, and returns it with the square of the step's length, mm².
     #[inline]
     #[must_use]
-    pub fn stepped<const FULL: bool>(
-        &self,
-        x: f32,
-        y: f32,
-        start: [f32; 2],
-    ) -> ([f32; 2], f32) {
+    pub fn stepped<const FULL: bool>(&self, x: f32, y: f32, start: [f32; 2]) -> ([f32; 2], f32) {
         self.stepped_with(terms::<FULL>(), x, y, start)
     }
 

@@ -70,7 +70,8 @@ impl Stage {
                 if distance_mm <= 2.0 * acceleration * rise_s * rise_s {
                     libm::cbrtf(0.25 * jerk * distance_mm * distance_mm)
                 } else {
-                    let root_s = fmc_camera_kernel::sqrt(rise_s * rise_s + 4.0 * distance_mm / acceleration);
+                    let root_s =
+                        fmc_camera_kernel::sqrt(rise_s * rise_s + 4.0 * distance_mm / acceleration);
                     0.5 * acceleration * (root_s - rise_s)
                 }
             }

@@ -1,8 +1,8 @@
 //! Bounds of the slope and of the curvature of a residual grid, from its coefficients.
 
-use crate::geometry::hypotenuse::hypotenuse;
 use super::header::GridHeader;
 use super::node::{NODE_BYTES, components};
+use crate::geometry::hypotenuse::hypotenuse;
 
 /// Largest slope and curvature of a residual grid, anywhere.
 ///

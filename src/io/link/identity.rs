@@ -198,12 +198,7 @@ mod tests {
             p: [f32; 2],
             b: [f32; 2],
             fitted: Option<([f32; 5], bool)>,
-            axis in prop::sample::select(vec![
-                FmcAxis::PlusX,
-                FmcAxis::MinusX,
-                FmcAxis::PlusY,
-                FmcAxis::MinusY,
-            ]),
+            axis in prop::sample::select(&FmcAxis::ALL[..]),
             coefficients_um: [f32; 5],
         ) -> CalibrationParameters {
             let [principal_distance_mm, exit_pupil_mm, x_mm, y_mm, pixel_um, stroke_mm] = optics;
