@@ -86,19 +86,34 @@ impl SerialNumber {
     /// assert_eq!(SerialNumber::new("Nº 7"), Err(SerialError::NotPrintable { index: 1 }));
     /// ```
     pub fn new(text: &str) -> Result<Self, SerialError> {
+        Self::from_bytes(text.as_bytes())
+    }
+
+    /// The serial number of these bytes, which need not be a text.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, SerialError> {
         let mut ascii = [0; Self::CAPACITY];
-        for (index, byte) in text.bytes().enumerate() {
-            if !is_printable(byte) {
+        for (index, byte) in bytes.iter().enumerate() {
+            if !is_printable(*byte) {
                 return Err(SerialError::NotPrintable { index });
             }
             if let Some(place) = ascii.get_mut(index) {
-                *place = byte;
+                *place = *byte;
             }
         }
-        if text.len() > Self::CAPACITY {
-            return Err(SerialError::TooLong { length: text.len() });
+        if bytes.len() > Self::CAPACITY {
+            let length = bytes.len();
+            return Err(SerialError::TooLong { length });
         }
         Ok(Self { ascii })
+    }
+
+    /// The characters, then zeros.
+    #[must_use]
+    pub const fn padded(&self) -> &[u8; Self::CAPACITY] {
+        &self.ascii
     }
 
     /// The characters.

@@ -10,7 +10,7 @@ use super::interior_orientation::InteriorOrientation;
 use super::stage::{MechanismLimits, RunUp, Stage, StagePlan, Tracking};
 use crate::geometry::calibration::{Calibration, CalibrationError, CalibrationParameters};
 use crate::geometry::camera_grids::CameraGrids;
-use crate::geometry::frame_correction::FrameCorrection;
+use crate::geometry::frame_correction::{Fold, FrameCorrection};
 use crate::geometry::grid::GridChecksums;
 use crate::geometry::lens_grid_bounds::LensGridBounds;
 use crate::geometry::principal_distance::FocusShift;
@@ -311,24 +311,20 @@ impl Camera {
         let parameters = self.calibration.parameters();
         within_stroke(motion, parameters.stroke_mm)?;
         let focus = self.focus_shift(exposure, motion)?;
-        let (correction, enlargement, lens_grid) = match exposure.model {
+        let (fold, enlargement, lens_grid) = match exposure.model {
             CorrectionModel::Exact => (
-                FrameCorrection::exact(&self.calibration, motion, &focus),
+                Fold::exact(&self.calibration, motion, &focus),
                 focus.enlargement(),
-                self.lens_grid,
+                self.lens_grid.as_ref(),
             ),
             CorrectionModel::Fitted => (
-                FrameCorrection::five_coefficient(&self.calibration, motion)
-                    .ok_or(FrameError::NotFitted)?,
+                Fold::five_coefficient(&self.calibration, motion).ok_or(FrameError::NotFitted)?,
                 0.0,
-                self.lens_grid,
+                self.lens_grid.as_ref(),
             ),
-            CorrectionModel::Static => (
-                FrameCorrection::without_motion(&self.calibration),
-                0.0,
-                None,
-            ),
+            CorrectionModel::Static => (Fold::without_motion(&self.calibration), 0.0, None),
         };
+        let correction = FrameCorrection::folded(&self.calibration, &fold);
         let left_out_by_grid_mm = lens_grid.map_or(0.0, |grid| {
             grid.left_out_mm(correction.sensor(), motion, enlargement)
         });
@@ -397,7 +393,7 @@ fn within_stroke(motion: &PrincipalPointMotion, stroke_mm: f32) -> Result<(), Ou
     // root is taken only for a path that may be beyond.
     let variance = motion.moments.second;
     if !(0.0..=half_mm * half_mm).contains(&variance) {
-        let deviation_mm = libm::sqrtf(variance);
+        let deviation_mm = fmc_camera_kernel::sqrt(variance);
         Quantity::TravelMm.check_within(deviation_mm, 0.0, half_mm + slack_mm)?;
     }
     Ok(())

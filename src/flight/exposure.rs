@@ -104,12 +104,20 @@ impl Limits {
     /// # Errors
     /// [`OutOfRange`] naming the quantity.
     pub fn checked(self) -> Result<Self, OutOfRange> {
-        for (quantity, [least, most]) in [
-            (Quantity::VhPerS, self.vh_per_s),
-            (Quantity::ExposureS, self.exposure_s),
+        for (quantity, (min, max), [least, most]) in [
+            (
+                Quantity::VhPerS,
+                const { Quantity::VhPerS.range() },
+                self.vh_per_s,
+            ),
+            (
+                Quantity::ExposureS,
+                const { Quantity::ExposureS.range() },
+                self.exposure_s,
+            ),
         ] {
-            quantity.check(least)?;
-            quantity.check_within(most, least, quantity.range().1)?;
+            quantity.check_within(least, min, max)?;
+            quantity.check_within(most, least, max)?;
         }
         Ok(self)
     }

@@ -261,7 +261,7 @@ impl IndexWatch {
             root_of_squares([least_mm, OFF_PART * self.off_mm, 0.0])
         } else {
             let cycles = f32::from(self.cycles.max(1));
-            let lost_mm = passed_mm * libm::sqrtf(cycles / 3.0);
+            let lost_mm = passed_mm * fmc_camera_kernel::sqrt(cycles / 3.0);
             root_of_squares([common_mm, lost_mm, self.off_mm])
         }
     }
@@ -386,7 +386,7 @@ fn tolerance_mm(drive: &DriveSettings, sigma_mm: f32, change_mm_s: f32) -> f32 {
 
 /// Returns σ of a sum of three errors.
 fn root_of_squares(sigmas: [f32; 3]) -> f32 {
-    libm::sqrtf(sigmas.map(|it| it * it).iter().sum())
+    fmc_camera_kernel::sqrt(sigmas.map(|it| it * it).iter().sum())
 }
 
 /// Returns σ of the difference of two readings at the mark with a difference in speed, mm.

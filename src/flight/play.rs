@@ -88,7 +88,7 @@ impl Play {
         let of_play_mm = self.worn_mm.min((1.0 + PLAY_SIGMA_PART) * play_mm) - high_mm;
         PlayOffset {
             offset_mm,
-            sigma_mm: libm::sqrtf(half_mm * half_mm + of_play_mm * of_play_mm),
+            sigma_mm: fmc_camera_kernel::sqrt(half_mm * half_mm + of_play_mm * of_play_mm),
         }
     }
 }

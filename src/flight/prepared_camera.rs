@@ -1,5 +1,7 @@
 //! A camera that is prepared for a flight: calibration, settings and state machine.
 
+use core::mem::MaybeUninit;
+
 use super::camera::Camera;
 use super::controller::{Actions, Controller, ControllerError, Preparation, Setup, Start, checked};
 use super::event::Event;
@@ -29,14 +31,64 @@ impl PreparedCamera {
         start: Start,
     ) -> Result<Self, ControllerError> {
         let settings = checked(&camera, settings)?;
-        let mut prepared = Self {
-            preparation: Preparation::new(&camera, &settings),
+        let mut prepared = Self::unprepared(camera, &settings);
+        prepared.begin(start);
+        Ok(prepared)
+    }
+
+    /// Puts a camera in standby into a place, where it stays: a prepared camera takes 11 kB, and as
+    /// much of the stack for every function that returns it.
+    ///
+    /// # Errors
+    /// As [`Self::new`]; then nothing has been written.
+    ///
+    /// # Examples
+    /// ```
+    /// use core::mem::MaybeUninit;
+    /// use fmc_camera::flight::camera::{Camera, CameraParameters};
+    /// use fmc_camera::flight::controller::{Start, state::State};
+    /// use fmc_camera::flight::prepared_camera::PreparedCamera;
+    /// use fmc_camera::flight::settings::FlightSettings;
+    /// use fmc_camera::CalibrationParameters;
+    ///
+    /// let calibration = CalibrationParameters::new(100.0, [9216, 9216], 8.75);
+    /// let camera = Camera::new(CameraParameters::new(calibration))?;
+    /// let mut place = MaybeUninit::uninit();
+    /// let settings = FlightSettings::default();
+    /// let prepared = PreparedCamera::new_in(&mut place, &camera, &settings, Start::Orderly)?;
+    /// assert_eq!(prepared.controller().state(), State::Standby);
+    /// # Ok::<(), Box<dyn core::error::Error>>(())
+    /// ```
+    pub fn new_in<'a>(
+        place: &'a mut MaybeUninit<Self>,
+        camera: &Camera,
+        settings: &FlightSettings,
+        start: Start,
+    ) -> Result<&'a mut Self, ControllerError> {
+        let settings = checked(camera, settings)?;
+        let prepared = place.write(Self::unprepared(camera.clone(), &settings));
+        prepared.begin(start);
+        Ok(prepared)
+    }
+
+    /// Returns a camera whose flight has not begun. It is inlined, so that it is made in its place.
+    #[expect(
+        clippy::inline_always,
+        reason = "a call would return 11 kB on the stack"
+    )]
+    #[inline(always)]
+    fn unprepared(camera: Camera, settings: &FlightSettings) -> Self {
+        Self {
+            preparation: Preparation::new(&camera, settings),
             camera,
             controller: Controller::new(),
-        };
-        let (setup, controller) = prepared.flown();
+        }
+    }
+
+    /// Begins the flight.
+    fn begin(&mut self, start: Start) {
+        let (setup, controller) = self.flown();
         controller.restart(&setup, start);
-        Ok(prepared)
     }
 
     /// Takes an event, and returns the actions that follow from it. Events come in order of their

@@ -203,7 +203,7 @@ impl SmearPrediction {
             track_mm * track_mm * variance_per_s2 + travel_sigma_mm * travel_sigma_mm;
         let largest_um = motion_um
             + against_um
-            + 1000.0 * COVERAGE * libm::sqrtf(variance_mm2)
+            + 1000.0 * COVERAGE * fmc_camera_kernel::sqrt(variance_mm2)
             + 1000.0 * wander_mm
             + 1000.0 * libm::fabsf(travel_mm) * self.lens_gradient;
         PredictedSmear {

@@ -180,7 +180,7 @@ impl UtcClock {
             + QUANTISATION_S * QUANTISATION_S;
         Some(UtcTime {
             unix_us,
-            sigma_s: libm::sqrtf(variance) + self.doubt_s(),
+            sigma_s: fmc_camera_kernel::sqrt(variance) + self.doubt_s(),
         })
     }
 

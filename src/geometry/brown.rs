@@ -55,7 +55,7 @@ impl Brown {
             (Quantity::B1, self.b1),
             (Quantity::B2, self.b2),
         ] {
-            quantity.check(value)?;
+            quantity.check_finite(value)?;
         }
         Ok(self)
     }

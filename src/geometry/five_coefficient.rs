@@ -53,7 +53,7 @@ impl FiveCoefficients {
             (Quantity::Kd1, self.kd1),
             (Quantity::Pm1, self.pm1),
         ] {
-            quantity.check(value)?;
+            quantity.check_finite(value)?;
         }
         Ok(self)
     }

@@ -39,18 +39,68 @@ pub struct FrameCorrection {
     longest_last_step2: f32,
 }
 
+/// A model folded into the evaluation form.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Fold {
+    centre: SensorPoint,
+    form: EvaluationForm,
+    left_out_nm: f32,
+}
+
+impl Fold {
+    /// Returns the fold of [`FrameCorrection::without_motion`].
+    pub(crate) fn without_motion(calibration: &Calibration) -> Self {
+        let parameters = calibration.parameters();
+        Self {
+            centre: parameters.principal_point,
+            form: parameters.distortion.evaluation_form(),
+            left_out_nm: 0.0,
+        }
+    }
+
+    /// Returns the fold of [`FrameCorrection::exact`].
+    pub(crate) fn exact(
+        calibration: &Calibration,
+        motion: &PrincipalPointMotion,
+        focus: &FocusShift,
+    ) -> Self {
+        let parameters = calibration.parameters();
+        let lens = focus.distortion_at_fixed_distance(&parameters.distortion);
+        let centre = parameters
+            .axis
+            .sensor_from_offset(parameters.principal_point, motion.centroid_mm);
+        let form = with_second_moment(&lens, motion.moments.second, parameters.axis);
+        let run_out = run_out_bound(calibration, motion, focus);
+        let left_out_mm = higher_order_bound(&lens, motion, calibration.radius_mm());
+        Self {
+            centre,
+            form,
+            left_out_nm: (left_out_mm + run_out) * 1e6,
+        }
+    }
+
+    /// Returns the fold of [`FrameCorrection::five_coefficient`].
+    pub(crate) fn five_coefficient(
+        calibration: &Calibration,
+        motion: &PrincipalPointMotion,
+    ) -> Option<Self> {
+        let parameters = calibration.parameters();
+        let still = parameters.distortion.evaluation_form();
+        let fitted = parameters.fitted?;
+        Some(Self {
+            centre: parameters.principal_point,
+            form: fitted.folded(still, fitted.regressor_mm(motion), parameters.axis),
+            left_out_nm: 0.0,
+        })
+    }
+}
+
 impl FrameCorrection {
     /// Returns the static calibration about the calibrated principal point: the correction of
     /// software that does not know the motion.
     #[must_use]
     pub fn without_motion(calibration: &Calibration) -> Self {
-        let parameters = calibration.parameters();
-        Self::folded(
-            calibration,
-            parameters.principal_point,
-            parameters.distortion.evaluation_form(),
-            0.0,
-        )
+        Self::folded(calibration, &Fold::without_motion(calibration))
     }
 
     /// Returns the exposure mean of the distortion: the calibration evaluated about the centroid
@@ -71,15 +121,7 @@ impl FrameCorrection {
         motion: &PrincipalPointMotion,
         focus: &FocusShift,
     ) -> Self {
-        let parameters = calibration.parameters();
-        let lens = focus.distortion_at_fixed_distance(&parameters.distortion);
-        let centre = parameters
-            .axis
-            .sensor_from_offset(parameters.principal_point, motion.centroid_mm);
-        let form = with_second_moment(&lens, motion.moments.second, parameters.axis);
-        let run_out = run_out_bound(calibration, motion, focus);
-        let left_out_mm = higher_order_bound(&lens, motion, calibration.radius_mm());
-        Self::folded(calibration, centre, form, (left_out_mm + run_out) * 1e6)
+        Self::folded(calibration, &Fold::exact(calibration, motion, focus))
     }
 
     /// Returns the fitted five-coefficient model about the calibrated principal point, or `None` if
@@ -93,24 +135,13 @@ impl FrameCorrection {
         calibration: &Calibration,
         motion: &PrincipalPointMotion,
     ) -> Option<Self> {
-        let parameters = calibration.parameters();
-        let still = parameters.distortion.evaluation_form();
-        let fitted = parameters.fitted?;
-        let form = fitted.folded(still, fitted.regressor_mm(motion), parameters.axis);
-        Some(Self::folded(
-            calibration,
-            parameters.principal_point,
-            form,
-            0.0,
-        ))
+        let fold = Fold::five_coefficient(calibration, motion)?;
+        Some(Self::folded(calibration, &fold))
     }
 
-    fn folded(
-        calibration: &Calibration,
-        centre: SensorPoint,
-        form: EvaluationForm,
-        model_left_out_nm: f32,
-    ) -> Self {
+    /// Returns the correction of a fold.
+    pub(crate) fn folded(calibration: &Calibration, fold: &Fold) -> Self {
+        let Fold { centre, form, .. } = *fold;
         let half_width_mm = calibration.sensor().half_width_mm();
         let half_height_mm = calibration.sensor().half_height_mm();
         let dropped_nm = 1e6
@@ -127,7 +158,7 @@ impl FrameCorrection {
             centre,
             form,
             terms,
-            left_out_nm: model_left_out_nm + dropped_nm,
+            left_out_nm: fold.left_out_nm + dropped_nm,
             sensor: *calibration.sensor(),
             longest_last_step2: longest_last_step2(calibration, &form, centre),
         }

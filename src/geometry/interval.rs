@@ -32,16 +32,23 @@ impl Interval {
         self.lo.is_finite() && self.hi.is_finite()
     }
 
+    /// Returns the interval of two ends in any order. One comparison finds both; a NaN is one of
+    /// the ends, or is passed over as by [`f32::min`].
+    #[inline]
+    fn between(a: f32, b: f32) -> Self {
+        if a < b {
+            Self { lo: a, hi: b }
+        } else {
+            Self { lo: b, hi: a }
+        }
+    }
+
     pub(super) fn largest(self) -> f32 {
-        self.lo.abs().max(self.hi.abs())
+        Self::between(self.lo.abs(), self.hi.abs()).hi
     }
 
     pub(super) fn scaled(self, factor: f32) -> Self {
-        let (a, b) = (self.lo * factor, self.hi * factor);
-        Self {
-            lo: a.min(b),
-            hi: a.max(b),
-        }
+        Self::between(self.lo * factor, self.hi * factor)
     }
 
     pub(super) fn shifted(self, by: f32) -> Self {
@@ -52,9 +59,9 @@ impl Interval {
     }
 
     pub(super) fn squared(self) -> Self {
-        let largest = self.largest();
+        let Self { lo, hi: largest } = Self::between(self.lo.abs(), self.hi.abs());
         let smallest = if self.lo > 0.0 || self.hi < 0.0 {
-            self.lo.abs().min(self.hi.abs())
+            lo
         } else {
             0.0
         };
@@ -77,12 +84,13 @@ impl core::ops::Add for Interval {
 
 impl core::ops::Mul for Interval {
     type Output = Self;
+    #[inline(never)]
     fn mul(self, other: Self) -> Self {
         let low = self.scaled(other.lo);
         let high = self.scaled(other.hi);
         Self {
-            lo: low.lo.min(high.lo),
-            hi: low.hi.max(high.hi),
+            lo: Self::between(low.lo, high.lo).lo,
+            hi: Self::between(low.hi, high.hi).hi,
         }
     }
 }

@@ -116,7 +116,7 @@ impl FrameCorrection {
         };
         match first {
             Ok(measured) => Ok(measured),
-            Err(distortion) => self.further_steps(ideal, distortion),
+            Err(distortion) => self.steps(ideal, Some(distortion)),
         }
     }
 
@@ -140,21 +140,20 @@ impl FrameCorrection {
             .ok_or(distortion)
     }
 
-    /// Continues [`Self::distort`] from the result of the first free step.
+    /// Takes all steps of [`Self::distort`], or those behind the first, from its result.
     #[cold]
     #[inline(never)]
-    fn further_steps(
+    fn steps(
         &self,
         ideal: SensorPoint,
-        mut distortion: Displacement,
+        first: Option<Displacement>,
     ) -> Result<Corrected, DistortError> {
         let (x, y) = self.centred(ideal);
-        for _ in 1..FREE_STEPS {
+        let begun = u8::from(first.is_some());
+        let mut distortion = first.unwrap_or_else(|| self.form().start(self.terms(), x, y));
+        for _ in begun..FREE_STEPS {
             let step2_mm2;
-            (distortion, step2_mm2) = match self.terms() {
-                Terms::Short => self.form().stepped::<false>(x, y, distortion),
-                Terms::Full => self.form().stepped::<true>(x, y, distortion),
-            };
+            (distortion, step2_mm2) = self.form().stepped(self.terms(), x, y, distortion);
             if let Some(measured) = self.ended(ideal, distortion, step2_mm2) {
                 return Ok(measured);
             }
@@ -211,29 +210,22 @@ impl FrameCorrection {
     /// # Ok::<(), Box<dyn core::error::Error>>(())
     /// ```
     pub fn distort_slice(&self, points: &mut [SensorPoint]) -> Result<(), DistortSliceError> {
-        match self.terms() {
-            Terms::Short => self.distort_in_blocks::<false>(points),
-            Terms::Full => self.distort_in_blocks::<true>(points),
-        }
-    }
-
-    /// Replaces points by their measured ones: blocks side by side where the first step ends all of
-    /// their points, and others point by point.
-    fn distort_in_blocks<const FULL: bool>(
-        &self,
-        points: &mut [SensorPoint],
-    ) -> Result<(), DistortSliceError> {
+        // Blocks side by side where the first step ends all of their points, and others point by
+        // point.
         let (form, last_step) = (self.coefficients(), self.last_step());
         let mut rest = points;
         let mut index = 0;
         while !rest.is_empty() {
             let pairs = bytemuck::must_cast_slice_mut(rest);
-            let replaced = inverse::blocks::<FULL>(&form, &last_step, pairs);
+            let replaced = match self.terms() {
+                Terms::Short => inverse::blocks::<false>(&form, &last_step, pairs),
+                Terms::Full => inverse::blocks::<true>(&form, &last_step, pairs),
+            };
             let behind = rest.get_mut(replaced..).unwrap_or_default();
             let length = inverse::block_length(behind.len());
             let (block, behind) = behind.split_at_mut_checked(length).unwrap_or_default();
             index += replaced;
-            self.distort_one_by_one::<FULL>(block, index)?;
+            self.distort_one_by_one(block, index)?;
             index += length;
             rest = behind;
         }
@@ -241,7 +233,7 @@ impl FrameCorrection {
     }
 
     /// Replaces points, of which the first has this index in the slice.
-    fn distort_one_by_one<const FULL: bool>(
+    fn distort_one_by_one(
         &self,
         points: &mut [SensorPoint],
         mut index: usize,
@@ -250,13 +242,16 @@ impl FrameCorrection {
         let mut rest = points;
         loop {
             let pairs = bytemuck::must_cast_slice_mut(rest);
-            let replaced = inverse::pairs::<FULL>(&form, &last_step, pairs);
+            let replaced = match self.terms() {
+                Terms::Short => inverse::pairs::<false>(&form, &last_step, pairs),
+                Terms::Full => inverse::pairs::<true>(&form, &last_step, pairs),
+            };
             index += replaced;
             let left = rest.get_mut(replaced..).and_then(<[_]>::split_first_mut);
             let Some((point, behind)) = left else {
                 return Ok(());
             };
-            let measured = self.distort(*point);
+            let measured = self.steps(*point, None);
             *point = measured
                 .map_err(|error| DistortSliceError { index, error })?
                 .point;
@@ -275,13 +270,13 @@ pub(super) fn kept_on_sensor<D: ExposureDistortion>(
     let polynomial = exposure.polynomial();
     // Every iterate stays on the sensor, where the map is one-to-one; beyond it the polynomial
     // may have other roots.
-    let start = exposure.distortion(polynomial.clamped(ideal));
+    let start = evaluated(exposure, polynomial.clamped(ideal));
     let mut d = on_sensor(polynomial, ideal, start);
     let last_nm = exposure.last_residual_nm(LAST_RESIDUAL_NM);
     let mut residual_nm = f32::NAN;
     for _ in 0..MAX_STEPS {
         let measured = shifted(ideal, d);
-        let distortion = exposure.distortion(measured);
+        let distortion = evaluated(exposure, measured);
         let residual = Displacement {
             dx_mm: d.dx_mm - distortion.dx_mm,
             dy_mm: d.dy_mm - distortion.dy_mm,
@@ -320,7 +315,14 @@ pub(super) fn kept_on_sensor<D: ExposureDistortion>(
     Err(DistortError::NotConverged { residual_nm })
 }
 
+/// Returns the distortion at a measured point, by a call: the steps are seldom taken.
+#[inline(never)]
+fn evaluated<D: ExposureDistortion>(exposure: &D, measured: SensorPoint) -> Displacement {
+    exposure.distortion(measured)
+}
+
 /// Returns the displacement, shortened if it would leave the sensor.
+#[inline(never)]
 fn on_sensor(polynomial: &FrameCorrection, ideal: SensorPoint, d: Displacement) -> Displacement {
     let point = shifted(ideal, d);
     let clamped = polynomial.clamped(point);

@@ -1,6 +1,7 @@
 //! Proof, by bounds, that a distortion polynomial does not fold the image.
 
 use super::evaluation_form::EvaluationForm;
+use super::hypotenuse::hypotenuse;
 use super::interval::{Interval, cubic_range, lesser};
 
 /// Smallest scale `∂(ideal)/∂(measured)` that a calibration may have anywhere. Below it the image
@@ -30,7 +31,7 @@ impl Region {
     /// Returns the distance of the corner, mm.
     #[must_use]
     pub fn radius_mm(&self) -> f32 {
-        libm::hypotf(self.reach_x, self.reach_y)
+        hypotenuse(self.reach_x, self.reach_y)
     }
 }
 
@@ -70,8 +71,12 @@ pub struct Folds {
 /// [`Folds`] if the scale cannot be shown to stay at or above [`MIN_SCALE`].
 pub fn least_scale(form: &EvaluationForm, region: Region, added_slope: f32) -> Result<f32, Folds> {
     let radius = region.radius_mm();
-    let reach = radius + largest_displacement(form, radius);
-    let (lambda, q) = disc_slopes(form, reach);
+    let lengths = Lengths {
+        decentring: hypotenuse(form.hx, form.hy) + hypotenuse(form.gx, form.gy),
+        affinity: hypotenuse(form.b1, form.b2),
+    };
+    let reach = radius + largest_displacement(form, &lengths, radius);
+    let (lambda, q) = disc_slopes(form, &lengths, reach);
     let of_disc = 1.0 - lambda - added_slope;
     if of_disc >= 1.0 - MAX_DISC_SLOPE && q + added_slope <= MAX_DISC_SLOPE {
         return Ok(of_disc);
@@ -83,19 +88,21 @@ pub fn least_scale(form: &EvaluationForm, region: Region, added_slope: f32) -> R
     };
     let x = Interval::around_zero(region.reach_x);
     let y = Interval::around_zero(region.reach_y);
-    for (x, y) in boxes(x, y, PIECES) {
-        let mut scale = box_scale(form, x, y, added_slope);
-        if scale < MIN_SCALE {
-            scale = boxes(x, y, SUB_BOXES)
-                .map(|(x, y)| box_scale(form, x, y, added_slope))
-                .fold(f32::INFINITY, lesser);
-        }
-        if scale.is_nan() || scale < worst.scale {
-            worst = Folds {
-                scale,
-                x: x.middle(),
-                y: y.middle(),
-            };
+    for column in 0..PIECES {
+        let x = x.piece(column, PIECES);
+        for row in 0..PIECES {
+            let y = y.piece(row, PIECES);
+            let mut scale = box_scale(form, x, y, added_slope);
+            if scale < MIN_SCALE {
+                scale = sub_box_scale(form, x, y, added_slope);
+            }
+            if scale.is_nan() || scale < worst.scale {
+                worst = Folds {
+                    scale,
+                    x: x.middle(),
+                    y: y.middle(),
+                };
+            }
         }
     }
     // λ < 1 alone makes the map one-to-one, and Newton's method does not need q.
@@ -111,16 +118,30 @@ pub fn least_scale(form: &EvaluationForm, region: Region, added_slope: f32) -> R
     }
 }
 
-/// Cuts a rectangle into `pieces` x `pieces` boxes.
-fn boxes(x: Interval, y: Interval, pieces: u8) -> impl Iterator<Item = (Interval, Interval)> {
-    (0..pieces).flat_map(move |column| {
-        (0..pieces).map(move |row| (x.piece(column, pieces), y.piece(row, pieces)))
-    })
+/// Lengths of the vectors of a form.
+struct Lengths {
+    /// `|h| + |g⃗|`.
+    decentring: f32,
+    /// `hypot(b₁, b₂)`.
+    affinity: f32,
+}
+
+/// Returns a lower bound of the scale over one box, of those over its parts.
+fn sub_box_scale(form: &EvaluationForm, x: Interval, y: Interval, added_slope: f32) -> f32 {
+    let mut scale = f32::INFINITY;
+    for column in 0..SUB_BOXES {
+        let x = x.piece(column, SUB_BOXES);
+        for row in 0..SUB_BOXES {
+            let y = y.piece(row, SUB_BOXES);
+            scale = lesser(scale, box_scale(form, x, y, added_slope));
+        }
+    }
+    scale
 }
 
 /// Returns λ and q of [`least_scale`] (`docs/derivations/invertibility.py`) over the disc of radius
 /// `radius` mm.
-fn disc_slopes(form: &EvaluationForm, radius: f32) -> (f32, f32) {
+fn disc_slopes(form: &EvaluationForm, lengths: &Lengths, radius: f32) -> (f32, f32) {
     let radial = [form.k0, form.k1, form.k2, form.k3];
     let [k0, k1, k2, k3] = radial;
     let along_radius = [k0, 3.0 * k1, 5.0 * k2, 7.0 * k3];
@@ -138,9 +159,8 @@ fn disc_slopes(form: &EvaluationForm, radius: f32) -> (f32, f32) {
             largest = -lesser(-largest, -range.largest());
         }
     }
-    let decentring =
-        2.0 * (libm::hypotf(form.hx, form.hy) + libm::hypotf(form.gx, form.gy)) * radius;
-    let affinity = libm::hypotf(form.b1, form.b2);
+    let decentring = 2.0 * lengths.decentring * radius;
+    let affinity = lengths.affinity;
     (
         highest + decentring + 0.5 * (form.b1 + affinity),
         largest + decentring + affinity,
@@ -148,14 +168,43 @@ fn disc_slopes(form: &EvaluationForm, radius: f32) -> (f32, f32) {
 }
 
 /// Returns a bound on |D| over the disc of radius `radius` mm.
-fn largest_displacement(form: &EvaluationForm, radius: f32) -> f32 {
+fn largest_displacement(form: &EvaluationForm, lengths: &Lengths, radius: f32) -> f32 {
     let squares = Interval {
         lo: 0.0,
         hi: radius * radius,
     };
     let gain = cubic_range([form.k0, form.k1, form.k2, form.k3], squares).largest();
-    let decentring = libm::hypotf(form.hx, form.hy) + libm::hypotf(form.gx, form.gy);
-    radius * (gain + decentring * radius + libm::hypotf(form.b1, form.b2))
+    radius * (gain + lengths.decentring * radius + lengths.affinity)
+}
+
+/// What tells the derivatives of one component of the distortion from those of the other.
+struct Component {
+    gain: Interval,
+    twice_slope: Interval,
+    /// X·Y times twice the slope.
+    mixed: Interval,
+    /// Range of its own coordinate.
+    along: Interval,
+    /// Range of the other coordinate.
+    across: Interval,
+    h: f32,
+    other_h: f32,
+    g: f32,
+    b: [f32; 2],
+}
+
+/// Returns the ranges of a component's derivatives by its own coordinate and by the other.
+#[inline(never)]
+fn derivatives(of: Component) -> [Interval; 2] {
+    let [b_along, b_across] = of.b;
+    let Component { along, across, .. } = of;
+    [
+        of.gain
+            + along.squared() * of.twice_slope
+            + along.scaled(2.0 * (of.h + of.g))
+            + across.scaled(of.other_h).shifted(b_along),
+        of.mixed + along.scaled(of.other_h) + across.scaled(2.0 * of.g).shifted(b_across),
+    ]
 }
 
 /// Returns a lower bound of the scale over one box.
@@ -167,15 +216,29 @@ fn box_scale(form: &EvaluationForm, x: Interval, y: Interval, added_slope: f32) 
     if !(gain.is_finite() && twice_slope.is_finite()) {
         return f32::NAN;
     }
-    let dx_by_x = gain
-        + x.squared() * twice_slope
-        + x.scaled(2.0 * (form.hx + form.gx))
-        + y.scaled(form.hy).shifted(form.b1);
-    let dy_by_y =
-        gain + y.squared() * twice_slope + y.scaled(2.0 * (form.hy + form.gy)) + x.scaled(form.hx);
     let mixed = x * y * twice_slope;
-    let dx_by_y = mixed + x.scaled(form.hy) + y.scaled(2.0 * form.gx).shifted(form.b2);
-    let dy_by_x = mixed + y.scaled(form.hx) + x.scaled(2.0 * form.gy);
+    let [dx_by_x, dx_by_y] = derivatives(Component {
+        gain,
+        twice_slope,
+        mixed,
+        along: x,
+        across: y,
+        h: form.hx,
+        other_h: form.hy,
+        g: form.gx,
+        b: [form.b1, form.b2],
+    });
+    let [dy_by_y, dy_by_x] = derivatives(Component {
+        gain,
+        twice_slope,
+        mixed,
+        along: y,
+        across: x,
+        h: form.hy,
+        other_h: form.hx,
+        g: form.gy,
+        b: [0.0; 2],
+    });
     let scale_x = 1.0 - dx_by_x.hi - added_slope;
     let scale_y = 1.0 - dy_by_y.hi - added_slope;
     let mixing = (dx_by_y.largest() + added_slope) * (dy_by_x.largest() + added_slope);

@@ -1,6 +1,7 @@
 //! Bounds of the residual grid of a lens, by which a frame states what it leaves out.
 
 use super::grid::{GridBounds, ResidualGrid};
+use super::hypotenuse::hypotenuse;
 use super::principal_point::PrincipalPointMotion;
 use super::sensor::{FmcAxis, Sensor, SensorPoint};
 
@@ -56,7 +57,7 @@ impl LensGridBounds {
     fn beyond_cells_mm(&self, [reach_x, reach_y]: [f32; 2]) -> f32 {
         let [from, to] = self.cells;
         let beyond = |reach: f32, from: f32, to: f32| (reach - to).max(reach + from).max(0.0);
-        libm::hypotf(
+        hypotenuse(
             beyond(reach_x, from.x_mm, to.x_mm),
             beyond(reach_y, from.y_mm, to.y_mm),
         )

@@ -14,6 +14,7 @@ pub mod frame_correction;
 pub mod grid;
 pub mod gridded_correction;
 mod gridded_inverse;
+mod hypotenuse;
 pub mod image_motion;
 mod interval;
 pub mod inverse;

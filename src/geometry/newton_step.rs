@@ -3,6 +3,7 @@
 
 use super::calibration::Calibration;
 use super::evaluation_form::{Displacement, EvaluationForm, Jacobian};
+use super::frame_correction::Terms;
 use super::sensor::SensorPoint;
 
 /// Largest error, nm, that the last Newton step of `distort` leaves in the displacement: a tenth of
@@ -68,8 +69,9 @@ impl EvaluationForm {
     /// Takes Newton's step from `start` to the displacement of the ideal point (`x`, `y`), and
     /// returns it with the square of the step's length, mm².
     #[inline]
-    pub(super) fn stepped<const FULL: bool>(
+    pub(super) fn stepped(
         &self,
+        terms: Terms,
         x: f32,
         y: f32,
         start: Displacement,
@@ -77,15 +79,15 @@ impl EvaluationForm {
         let start = [start.dx_mm, start.dy_mm];
         let (next, step2_mm2) = self
             .coefficients(SensorPoint::default())
-            .stepped::<FULL>(x, y, start);
+            .stepped_with(terms, x, y, start);
         (displacement(next), step2_mm2)
     }
 
     /// Returns the start from the radial terms for the ideal point (`x`, `y`).
     #[inline]
-    pub(super) fn start<const FULL: bool>(&self, x: f32, y: f32) -> Displacement {
+    pub(super) fn start(&self, terms: Terms, x: f32, y: f32) -> Displacement {
         let form = self.coefficients(SensorPoint::default());
-        displacement(form.start::<FULL>(x, y))
+        displacement(form.start_with(terms, x, y))
     }
 }
 

@@ -162,6 +162,14 @@ impl Quantity {
         self.check_within(value, min, max)
     }
 
+    /// Returns `value` if it is finite, for quantities without a range.
+    ///
+    /// # Errors
+    /// As [`Self::check`].
+    pub(crate) const fn check_finite(self, value: f32) -> Result<f32, OutOfRange> {
+        self.check_within(value, f32::MIN, f32::MAX)
+    }
+
     /// Returns `value` if it is a number in `[min, max]`, for ranges that follow from other
     /// quantities.
     ///

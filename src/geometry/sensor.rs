@@ -115,7 +115,8 @@ impl Sensor {
         }
         let half_mm = |side_px: u32| pixels(side_px) * pixel_um / 2000.0;
         let corner = SensorPoint::new(half_mm(width_px), half_mm(height_px));
-        let two_units_on = |half_mm: f32| half_mm.next_up().next_up();
+        // Of a positive number that is far from the largest.
+        let two_units_on = |half_mm: f32| f32::from_bits(half_mm.to_bits() + 2);
         Ok(Self {
             width_px,
             height_px,

@@ -104,8 +104,13 @@ fn remedy(tool: Tool, system: &System) -> String {
             Tool::Compiler | Tool::Linker | Tool::Clippy => {
                 return "rustup target add thumbv7em-none-eabihf".to_owned();
             }
-            Tool::Qemu | Tool::Llvm | Tool::Pip | Tool::Aarch64 | Tool::ArmGcc | Tool::Cppcheck => {
-            }
+            Tool::Qemu
+            | Tool::Llvm
+            | Tool::Pip
+            | Tool::Aarch64
+            | Tool::ArmGcc
+            | Tool::Cmake
+            | Tool::Cppcheck => {}
         }
     }
     // A Rust that is not a distribution's comes with everything that a target needs.
@@ -114,7 +119,13 @@ fn remedy(tool: Tool, system: &System) -> String {
         (Family::Debian, _) => format!("sudo apt-get install {}", tool.packages().join(" ")),
         (
             Family::Ubuntu,
-            Tool::Qemu | Tool::Llvm | Tool::Pip | Tool::Aarch64 | Tool::ArmGcc | Tool::Cppcheck,
+            Tool::Qemu
+            | Tool::Llvm
+            | Tool::Pip
+            | Tool::Aarch64
+            | Tool::ArmGcc
+            | Tool::Cmake
+            | Tool::Cppcheck,
         ) => {
             format!("sudo apt-get install {}", tool.packages().join(" "))
         }
@@ -132,6 +143,7 @@ fn remedy(tool: Tool, system: &System) -> String {
         (Family::Fedora, Tool::ArmGcc) => {
             "sudo dnf install arm-none-eabi-gcc arm-none-eabi-newlib".to_owned()
         }
+        (Family::Fedora, Tool::Cmake) => "sudo dnf install cmake".to_owned(),
         (Family::Fedora, Tool::Cppcheck) => "sudo dnf install cppcheck".to_owned(),
         (Family::Fedora, _) => rustup("sudo dnf install"),
         (Family::Arch, Tool::Qemu) => "sudo pacman -S qemu-system-arm".to_owned(),
@@ -140,12 +152,14 @@ fn remedy(tool: Tool, system: &System) -> String {
         (Family::Arch, Tool::ArmGcc) => {
             "sudo pacman -S arm-none-eabi-gcc arm-none-eabi-newlib".to_owned()
         }
+        (Family::Arch, Tool::Cmake) => "sudo pacman -S cmake".to_owned(),
         (Family::Arch, Tool::Cppcheck) => "sudo pacman -S cppcheck".to_owned(),
         (Family::Arch, _) => rustup("sudo pacman -S"),
         (Family::MacOs, Tool::Qemu) => "brew install qemu".to_owned(),
         (Family::MacOs, Tool::Llvm) => "brew install llvm".to_owned(),
         (Family::MacOs, Tool::Pip) => "brew install python".to_owned(),
         (Family::MacOs, Tool::ArmGcc) => "brew install gcc-arm-embedded".to_owned(),
+        (Family::MacOs, Tool::Cmake) => "brew install cmake".to_owned(),
         (Family::MacOs, Tool::Cppcheck) => "brew install cppcheck".to_owned(),
         (Family::MacOs, _) => rustup("brew install"),
         (Family::Windows, Tool::Qemu) => {
@@ -156,6 +170,7 @@ fn remedy(tool: Tool, system: &System) -> String {
         (Family::Windows, Tool::ArmGcc) => {
             "winget install --id Arm.GnuArmEmbeddedToolchain".to_owned()
         }
+        (Family::Windows, Tool::Cmake) => "winget install --id Kitware.CMake".to_owned(),
         (Family::Windows, Tool::Cppcheck) => "winget install --id Cppcheck.Cppcheck".to_owned(),
         (Family::Windows, _) => "winget install --id Rustlang.Rustup".to_owned(),
         (Family::Other, Tool::Qemu) => {
@@ -166,6 +181,7 @@ fn remedy(tool: Tool, system: &System) -> String {
             "put python3, 3.11 or later, with pip on the search path".to_owned()
         }
         (Family::Other, Tool::ArmGcc) => "put arm-none-eabi-gcc on the search path".to_owned(),
+        (Family::Other, Tool::Cmake) => "put cmake on the search path".to_owned(),
         (Family::Other, Tool::Cppcheck) => "put cppcheck on the search path".to_owned(),
         (Family::Other, _) => "rustup target add thumbv7em-none-eabihf".to_owned(),
     }

@@ -208,8 +208,13 @@ impl<'a> Target<'a> {
 
     /// Returns the directory of the programs that this target's builds produce.
     pub(crate) fn programs(&self) -> PathBuf {
+        self.made_with("release")
+    }
+
+    /// Returns the directory of what this target's builds produce with a profile.
+    pub(crate) fn made_with(&self, profile: &str) -> PathBuf {
         let target = self.artifacts.join(self.architecture.target());
-        target.join("release")
+        target.join(profile)
     }
 
     /// Returns name and number of the compiler.

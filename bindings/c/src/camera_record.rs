@@ -270,13 +270,12 @@ pub(crate) fn serial(characters: &[c_char; FMC_SERIAL_LENGTH]) -> Result<SerialN
     let bytes = characters.map(|character| character.to_ne_bytes()[0]);
     let length = bytes.iter().position(|byte| *byte == 0);
     let text = bytes.get(..length.unwrap_or(FMC_SERIAL_LENGTH));
+    let text = text.unwrap_or_default();
     let refused = |index: usize| {
         let index = u32::try_from(index).unwrap_or(u32::MAX);
         fmc_error::from(Failure::new(FMC_ERROR_SERIAL).at(index))
     };
-    let text = core::str::from_utf8(text.unwrap_or_default())
-        .map_err(|error| refused(error.valid_up_to()))?;
-    SerialNumber::new(text).map_err(|error| match error {
+    SerialNumber::from_bytes(text).map_err(|error| match error {
         SerialError::NotPrintable { index } => refused(index),
         SerialError::TooLong { length } => refused(length),
     })

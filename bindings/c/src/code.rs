@@ -62,20 +62,32 @@ pub const FMC_VOLATILE: fmc_code = 0;
 /// The calibration is in the board's own store.
 pub const FMC_STORED: fmc_code = 1;
 
+/// A code that its type does not have.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Unknown(pub(crate) fmc_code);
+
+impl From<Unknown> for fmc_error {
+    #[cold]
+    #[inline(never)]
+    fn from(Unknown(code): Unknown) -> Self {
+        Failure::new(FMC_ERROR_CODE)
+            .numbers(code.cast_unsigned(), 0)
+            .into()
+    }
+}
+
 /// Returns the refusal of a code.
 pub(crate) fn unknown(code: fmc_code) -> fmc_error {
-    Failure::new(FMC_ERROR_CODE)
-        .numbers(code.cast_unsigned(), 0)
-        .into()
+    Unknown(code).into()
 }
 
 /// Defines the conversion of a type from its codes, and the one to them.
 macro_rules! codes {
     ($from:ident, $to:ident, $type:ty: $($code:ident = $value:path),+ $(,)?) => {
-        pub(crate) fn $from(code: $crate::fmc_code) -> Result<$type, $crate::error::fmc_error> {
+        pub(crate) fn $from(code: $crate::fmc_code) -> Result<$type, $crate::code::Unknown> {
             match code {
                 $($crate::$code => Ok($value),)+
-                _ => Err($crate::code::unknown(code)),
+                _ => Err($crate::code::Unknown(code)),
             }
         }
 
@@ -86,10 +98,10 @@ macro_rules! codes {
         }
     };
     ($from:ident, $type:ty: $($code:ident = $value:path),+ $(,)?) => {
-        pub(crate) fn $from(code: $crate::fmc_code) -> Result<$type, $crate::error::fmc_error> {
+        pub(crate) fn $from(code: $crate::fmc_code) -> Result<$type, $crate::code::Unknown> {
             match code {
                 $($crate::$code => Ok($value),)+
-                _ => Err($crate::code::unknown(code)),
+                _ => Err($crate::code::Unknown(code)),
             }
         }
     };

@@ -146,6 +146,8 @@ impl From<Failure> for fmc_error {
 }
 
 impl From<OutOfRange> for fmc_error {
+    #[cold]
+    #[inline(never)]
     fn from(error: OutOfRange) -> Self {
         let Failure(blank) = Failure::new(FMC_ERROR_OUT_OF_RANGE);
         Self {
@@ -159,6 +161,8 @@ impl From<OutOfRange> for fmc_error {
 }
 
 impl From<CalibrationError> for fmc_error {
+    #[cold]
+    #[inline(never)]
     fn from(error: CalibrationError) -> Self {
         match error {
             CalibrationError::OutOfRange(error) => error.into(),
@@ -184,6 +188,8 @@ impl From<CalibrationError> for fmc_error {
 }
 
 impl From<FrameError> for fmc_error {
+    #[cold]
+    #[inline(never)]
     fn from(error: FrameError) -> Self {
         let with = |status, value, most| {
             let Failure(blank) = Failure::new(status);
@@ -225,6 +231,8 @@ impl From<ControllerError> for fmc_error {
 }
 
 /// Returns the error of the point with an index.
+#[cold]
+#[inline(never)]
 pub(crate) fn of_point(error: DistortError, index: usize) -> fmc_error {
     let index = u32::try_from(index).unwrap_or(u32::MAX);
     match error {

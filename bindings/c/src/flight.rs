@@ -102,10 +102,13 @@ pub unsafe extern "C" fn fmc_flight_init(
         let camera = unsafe { memory::object(camera, 2) }?;
         // SAFETY: the caller's promise.
         let settings = unsafe { memory::input(settings, 3) }?.settings()?;
-        let made = PreparedCamera::new(camera.clone(), &settings, start(how)?)?;
-        // SAFETY: the caller's promise.
-        unsafe { memory::put(flight, stamp(camera), made) };
-        Ok(())
+        let how = start(how)?;
+        let make = |place: &mut _| {
+            PreparedCamera::new_in(place, camera, &settings, how)?;
+            Ok(())
+        };
+        // SAFETY: the caller's promise; the camera is apart.
+        unsafe { memory::put_in_place(flight, stamp(camera), make) }
     };
     // SAFETY: the caller's promise.
     unsafe { memory::status(initialised(), error) }

@@ -4,6 +4,7 @@
 //! that the call states, is all that a call relies on. A tag tells an object from storage that was
 //! never initialised or holds another type; the compiler knows nothing of what C has written.
 
+use core::mem::MaybeUninit;
 use core::ptr;
 use core::slice;
 
@@ -249,6 +250,30 @@ pub(crate) unsafe fn put<S: Storage>(pointer: *mut S, stamp: u32, object: S::Obj
     let tag = S::TAG;
     // SAFETY: the storage is large and aligned enough, by the assertions of `TAG`.
     unsafe { storage.write(Kept { tag, stamp, object }) };
+}
+
+/// Makes an object in storage that [`room`] has accepted.
+///
+/// # Errors
+/// That of `make`, which then has not written.
+///
+/// # Safety
+/// As of [`put`]; without an error, `make` has put an object into its place.
+pub(crate) unsafe fn put_in_place<S: Storage>(
+    pointer: *mut S,
+    stamp: u32,
+    make: impl FnOnce(&mut MaybeUninit<S::Object>) -> Result<(), fmc_error>,
+) -> Result<(), fmc_error> {
+    let storage = pointer.cast::<Kept<MaybeUninit<S::Object>>>();
+    // SAFETY: the storage is large and aligned enough, by the assertions of `TAG`, and nothing else
+    // uses it; that of an object may hold anything.
+    let object = unsafe { &mut *ptr::addr_of_mut!((*storage).object) };
+    make(object)?;
+    // SAFETY: as above.
+    unsafe { ptr::addr_of_mut!((*storage).stamp).write(stamp) };
+    // SAFETY: as above.
+    unsafe { ptr::addr_of_mut!((*storage).tag).write(S::TAG) };
+    Ok(())
 }
 
 /// Returns a structure that the caller has filled, if size and version are the library's.

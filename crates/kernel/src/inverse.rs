@@ -3,7 +3,7 @@
 //! The step starts from the radial terms. A bound of the frame says up to which length it may be
 //! the last; where it is longer, or leads off the sensor, the caller goes on for that point.
 
-use crate::Coefficients;
+use crate::{Coefficients, Terms};
 
 /// Points for which a step is taken before it is asked whether one of them needs more: they are
 /// treated without a branch, side by side.
@@ -84,13 +84,12 @@ impl Coefficients {
     }
 
     #[inline]
-    fn local_displacement<const FULL: bool>(&self, [x, y]: [f32; 2], local: &Local) -> [f32; 2] {
+    fn local_displacement(&self, terms: Terms, [x, y]: [f32; 2], local: &Local) -> [f32; 2] {
         let Local { r2, gain, .. } = *local;
         let (dx, dy) = (x * gain + self.gx * r2, y * gain + self.gy * r2);
-        if FULL {
-            [dx + self.b1 * x + self.b2 * y + self.tx, dy + self.ty]
-        } else {
-            [dx, dy]
+        match terms {
+            Terms::Short => [dx, dy],
+            Terms::Full => [dx + self.b1 * x + self.b2 * y + self.tx, dy + self.ty],
         }
     }
 
@@ -99,7 +98,7 @@ impl Coefficients {
     #[inline]
     #[must_use]
     pub fn displacement<const FULL: bool>(&self, x: f32, y: f32) -> [f32; 2] {
-        self.local_displacement::<FULL>([x, y], &self.local(x, y))
+        self.local_displacement(terms::<FULL>(), [x, y], &self.local(x, y))
     }
 
     /// Returns the start from the radial terms for the ideal point (`x`, `y`) mm from the centre:
@@ -107,8 +106,15 @@ impl Coefficients {
     #[inline]
     #[must_use]
     pub fn start<const FULL: bool>(&self, x: f32, y: f32) -> [f32; 2] {
+        self.start_with(terms::<FULL>(), x, y)
+    }
+
+    /// Performs [`Self::start`] with terms that are known when it runs.
+    #[inline]
+    #[must_use]
+    pub fn start_with(&self, terms: Terms, x: f32, y: f32) -> [f32; 2] {
         let local = self.local(x, y);
-        let [dx, dy] = self.local_displacement::<FULL>([x, y], &local);
+        let [dx, dy] = self.local_displacement(terms, [x, y], &local);
         let slope = local.gain + local.r2 * local.slope2;
         let stretch = 1.0 + (slope + slope * slope);
         [stretch * dx, stretch * dy]
@@ -118,15 +124,23 @@ impl Coefficients {
     /// the centre, and returns it with the square of the step's length, mm².
     #[inline]
     #[must_use]
-    pub fn stepped<const FULL: bool>(
+    pub fn stepped<const FULL: bool>(&self, x: f32, y: f32, start: [f32; 2]) -> ([f32; 2], f32) {
+        self.stepped_with(terms::<FULL>(), x, y, start)
+    }
+
+    /// Performs [`Self::stepped`] with terms that are known when it runs.
+    #[inline]
+    #[must_use]
+    pub fn stepped_with(
         &self,
+        terms: Terms,
         x: f32,
         y: f32,
         [start_x, start_y]: [f32; 2],
     ) -> ([f32; 2], f32) {
         let (x, y) = (x + start_x, y + start_y);
         let local = self.local(x, y);
-        let [dx, dy] = self.local_displacement::<FULL>([x, y], &local);
+        let [dx, dy] = self.local_displacement(terms, [x, y], &local);
         let residual_x = start_x - dx;
         let residual_y = start_y - dy;
         let (twice_gx, twice_gy) = (self.gx + self.gx, self.gy + self.gy);
@@ -136,7 +150,7 @@ impl Coefficients {
         let scale_y = 1.0 - local.gain - y * (gain_by_y + twice_gy);
         let mut dx_by_y = x * gain_by_y + twice_gx * y;
         let dy_by_x = y * gain_by_x + twice_gy * x;
-        if FULL {
+        if terms == Terms::Full {
             scale_x -= self.b1;
             dx_by_y += self.b2;
         }
@@ -161,6 +175,12 @@ impl Coefficients {
             step2_mm2,
         }
     }
+}
+
+/// Returns the terms of a form.
+#[inline]
+const fn terms<const FULL: bool>() -> Terms {
+    if FULL { Terms::Full } else { Terms::Short }
 }
 
 /// Result of the first step.

@@ -32,8 +32,11 @@ pub mod portable;
     any(target_arch = "x86_64", target_arch = "aarch64")
 ))]
 pub mod resampling;
+mod root;
 #[cfg(hand_scheduled)]
 mod thumbv7em;
+
+pub use root::sqrt;
 
 /// Terms of the correction that are evaluated for every point of a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -117,7 +120,11 @@ impl<T> Coefficients<T> {
 #[inline]
 pub fn short_pairs(coefficients: &Coefficients, points: &mut [[f32; 2]]) {
     #[cfg(hand_scheduled)]
-    let points = thumbv7em::short_pairs(coefficients, points);
+    {
+        let rest = thumbv7em::short_pairs(coefficients, points);
+        portable::rest(coefficients, Terms::Short, rest);
+    }
+    #[cfg(not(hand_scheduled))]
     portable::short_pairs(coefficients, points);
 }
 
@@ -125,7 +132,11 @@ pub fn short_pairs(coefficients: &Coefficients, points: &mut [[f32; 2]]) {
 #[inline]
 pub fn full_pairs(coefficients: &Coefficients, points: &mut [[f32; 2]]) {
     #[cfg(hand_scheduled)]
-    let points = thumbv7em::full_pairs(coefficients, points);
+    {
+        let rest = thumbv7em::full_pairs(coefficients, points);
+        portable::rest(coefficients, Terms::Full, rest);
+    }
+    #[cfg(not(hand_scheduled))]
     portable::full_pairs(coefficients, points);
 }
 

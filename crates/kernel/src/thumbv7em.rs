@@ -34,6 +34,13 @@ unsafe extern "C" {
         blocks: usize,
         _: *const Coefficients,
     );
+    safe fn fmc_camera_kernel_sqrt(_: f32) -> f32;
+}
+
+/// Performs [`crate::sqrt`].
+#[inline]
+pub(crate) fn sqrt(number: f32) -> f32 {
+    fmc_camera_kernel_sqrt(number)
 }
 
 /// Performs [`crate::short_pairs`] on whole blocks and returns the points left over.

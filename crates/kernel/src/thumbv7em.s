@@ -226,6 +226,12 @@ ym_c .req s5
     vpop {d8-d15}
     return fmc_camera_kernel_full_pairs
 
+@ ---- Square root of the number in s0.
+
+    function fmc_camera_kernel_sqrt
+    vsqrt.f32 s0, s0
+    return fmc_camera_kernel_sqrt
+
     .unreq xm_a
     .unreq ym_a
     .unreq xm_b

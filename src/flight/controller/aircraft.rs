@@ -132,7 +132,7 @@ impl Aircraft {
         AircraftMotion {
             attitude,
             attitude_sigma_deg,
-            rate_sigma_deg_s: libm::sqrtf(rate_variance),
+            rate_sigma_deg_s: fmc_camera_kernel::sqrt(rate_variance),
             vh_relative_variance: self.vh.relative_variance(),
         }
     }

@@ -131,7 +131,8 @@ impl Setup<'_> {
             travel_mm: direction.sign() * interior.motion.travel_mm,
             wander_mm,
             // Two readings, each rounded to a step of the encoder.
-            travel_sigma_mm: 1e-3 * self.settings.drive.encoder_step_um / libm::sqrtf(6.0),
+            travel_sigma_mm: 1e-3 * self.settings.drive.encoder_step_um
+                / fmc_camera_kernel::sqrt(6.0),
             principal_point: interior.principal_point,
         };
         self.smear.of(&vh, aircraft, &compensation)

@@ -108,7 +108,9 @@ fn sigma_after_a_disagreement_holds_it_and_a_step_for_every_record_since() {
         assert!(!watch.is_referenced(&drive()), "{records}");
         assert_near(watch.last_mm().unwrap(), -0.02);
         let expected = |cycles: f32| {
-            libm::sqrtf(0.003 * 0.003 + PASSED_MM * PASSED_MM * cycles / 3.0 + 0.02 * 0.02)
+            fmc_camera_kernel::sqrt(
+                0.003 * 0.003 + PASSED_MM * PASSED_MM * cycles / 3.0 + 0.02 * 0.02,
+            )
         };
         assert_near(sigma_mm(&watch, 0.003), expected(cycles));
         watch.count_record();

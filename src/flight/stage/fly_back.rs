@@ -64,13 +64,14 @@ impl Stage {
     fn fastest(&self, distance_mm: f32) -> f32 {
         let acceleration = self.acceleration_mm_s2;
         let speed = match self.jerk_mm_s3 {
-            None => libm::sqrtf(acceleration * distance_mm),
+            None => fmc_camera_kernel::sqrt(acceleration * distance_mm),
             Some(jerk) => {
                 let rise_s = acceleration / jerk;
                 if distance_mm <= 2.0 * acceleration * rise_s * rise_s {
                     libm::cbrtf(0.25 * jerk * distance_mm * distance_mm)
                 } else {
-                    let root_s = libm::sqrtf(rise_s * rise_s + 4.0 * distance_mm / acceleration);
+                    let root_s =
+                        fmc_camera_kernel::sqrt(rise_s * rise_s + 4.0 * distance_mm / acceleration);
                     0.5 * acceleration * (root_s - rise_s)
                 }
             }

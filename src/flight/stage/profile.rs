@@ -45,7 +45,7 @@ impl Segment {
             ..
         } = self.start;
         // The stable pair of roots of jt²/2 + at + v.
-        let root = libm::sqrtf(
+        let root = fmc_camera_kernel::sqrt(
             acceleration_mm_s2 * acceleration_mm_s2 - 2.0 * self.jerk_mm_s3 * speed_mm_s,
         );
         let sum = -(acceleration_mm_s2 + root.copysign(acceleration_mm_s2));

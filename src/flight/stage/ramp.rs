@@ -66,7 +66,7 @@ impl Stage {
         let (rise_s, peak, hold_s) = if magnitude >= most * full_rise_s {
             (full_rise_s, most, (magnitude / most - full_rise_s).max(0.0))
         } else {
-            let rise_s = libm::sqrtf(magnitude / jerk);
+            let rise_s = fmc_camera_kernel::sqrt(magnitude / jerk);
             (rise_s, jerk * rise_s, 0.0)
         };
         let duration_s = 2.0 * rise_s + hold_s;
@@ -107,7 +107,7 @@ impl Stage {
             let along = 1.0_f32.copysign(remaining);
             let (speed, acceleration) = (along * speed, along * acceleration);
             let square = jerk * speed + 0.5 * acceleration * acceleration;
-            let peak = libm::sqrtf(square.max(0.0)).min(most);
+            let peak = fmc_camera_kernel::sqrt(square.max(0.0)).min(most);
             let turn_s = (acceleration + peak).abs() / jerk;
             let turning = jerk.copysign(-along * (acceleration + peak));
             let turned = speed + 0.5 * (acceleration - peak) * turn_s;

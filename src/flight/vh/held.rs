@@ -102,7 +102,7 @@ impl HeldVh {
         let off = (value - least).max(most - value);
         VhEstimate {
             vh_per_s: value,
-            sigma_per_s: libm::sqrtf(variance + change_per_s * ahead_s + off * off),
+            sigma_per_s: fmc_camera_kernel::sqrt(variance + change_per_s * ahead_s + off * off),
             age_s: age_s + ahead_s,
             source: self.source,
             extrapolated: silent,

@@ -40,7 +40,7 @@ impl KnownLens<f32> {
             p: [lens.p1, lens.p2],
             b: [lens.b1, lens.b2],
             axis: parameters.axis,
-            radius_mm: libm::sqrtf(reach_x * reach_x + reach_y * reach_y),
+            radius_mm: fmc_camera_kernel::sqrt(reach_x * reach_x + reach_y * reach_y),
         }
     }
 }

@@ -65,7 +65,7 @@ impl Number for f32 {
     }
 
     fn sqrt(self) -> Self {
-        libm::sqrtf(self)
+        fmc_camera_kernel::sqrt(self)
     }
 
     fn abs(self) -> Self {

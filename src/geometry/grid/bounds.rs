@@ -2,6 +2,7 @@
 
 use super::header::GridHeader;
 use super::node::{NODE_BYTES, components};
+use crate::geometry::hypotenuse::hypotenuse;
 
 /// Largest slope and curvature of a residual grid, anywhere.
 ///
@@ -57,7 +58,7 @@ impl GridBounds {
     #[must_use]
     pub fn slope(&self) -> f32 {
         let [x, y] = self.slopes;
-        libm::hypotf(x, y) * OUTWARDS
+        hypotenuse(x, y) * OUTWARDS
     }
 
     /// Returns a bound of the mean over the exposure less the value at the centroid, mm: per
@@ -99,7 +100,7 @@ impl Differences {
         reason = "rounded by half a unit, which OUTWARDS makes good"
     )]
     fn slope(self) -> f32 {
-        libm::sqrtf(self.first2 as f32)
+        fmc_camera_kernel::sqrt(self.first2 as f32)
     }
 
     #[expect(

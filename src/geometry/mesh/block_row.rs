@@ -11,7 +11,7 @@ use super::source_mesh::{Blocks, ideal};
 use super::source_row::SourceRow;
 use super::vertex::{MeshError, VertexRow};
 use crate::geometry::evaluation_form::Displacement;
-use crate::geometry::frame_correction::FrameCorrection;
+use crate::geometry::frame_correction::{FrameCorrection, Terms};
 use crate::geometry::inverse::{FREE_STEPS, shifted};
 use crate::geometry::sensor::{PixelPoint, SensorPoint};
 
@@ -303,10 +303,10 @@ impl<'a> BlockRow<'a> {
         let col_px = self.phase_px + vertex * u32::from(self.row.spacing_px);
         let ideal = ideal(sensor, [col_px, self.row.row_px]);
         let (x, y) = (ideal.x_mm - centre.x_mm, ideal.y_mm - centre.y_mm);
-        let mut d = form.start::<true>(x, y);
+        let mut d = form.start(Terms::Full, x, y);
         for _ in 0..FREE_STEPS {
             let step2_mm2;
-            (d, step2_mm2) = form.stepped::<true>(x, y, d);
+            (d, step2_mm2) = form.stepped(Terms::Full, x, y, d);
             if step2_mm2 <= correction.longest_last_step2() {
                 let measured = shifted(ideal, d);
                 let inside = measured.x_mm.abs() <= sensor.half_width_mm()

@@ -30,7 +30,7 @@ impl SourceBound {
         let reach_x = sensor.half_width_mm() + centre.x_mm.abs();
         let reach_y = sensor.half_height_mm() + centre.y_mm.abs();
         let (reach, end) = (reach_x.max(reach_y), reach_x * reach_x + reach_y * reach_y);
-        let radius = SECOND_ORDER * libm::sqrtf(end);
+        let radius = SECOND_ORDER * fmc_camera_kernel::sqrt(end);
         let form = correction.form();
         let absolute = absolute(form);
         let tangential = absolute.hx + absolute.hy + absolute.gx + absolute.gy;

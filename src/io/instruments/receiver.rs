@@ -213,6 +213,6 @@ fn is_too_far(from: NmeaPosition, to: NmeaPosition, elapsed_s: f32) -> bool {
     // Below the cosine everywhere.
     let cosine = (1.0 - 0.5 * latitude_rad * latitude_rad).max(0.0);
     let east = around * cosine;
-    let distance_m = M_PER_UNIT * libm::sqrtf(north * north + east * east);
+    let distance_m = M_PER_UNIT * fmc_camera_kernel::sqrt(north * north + east * east);
     distance_m > POSITION_TOLERANCE_M + FASTEST_M_S * elapsed_s
 }

@@ -1,6 +1,6 @@
 //! Digests by which camera and PC show each other that they have the same bits.
 
-use super::loading::Upload;
+use super::identity::Identity;
 use super::message::Grid;
 use super::packet::{self, CRC};
 use crate::flight::camera::CameraParameters;
@@ -22,11 +22,11 @@ pub fn of_grid<D: ExposureDistortion>(correction: &D, grid: &Grid) -> u32 {
     digest.finalize()
 }
 
-/// CRC-32 over a camera record as the link carries it: that of the calibration's identity. `None`
-/// only if it were longer than the record's type allows.
+/// CRC-32 over a camera record as the link carries it: that of the calibration's identity. It is
+/// always there: an [`Option`] as that of [`of_frame_record`].
 #[must_use]
 pub fn of_camera(record: &CameraParameters) -> Option<u32> {
-    Upload::of(record).map(|upload| upload.crc())
+    Some(Identity::of(record))
 }
 
 /// Returns the CRC-32 over a frame record as the link carries it; `None` only if it were longer

@@ -36,6 +36,7 @@ pub mod deck;
 pub mod digest;
 mod fitting;
 mod grid_loading;
+mod identity;
 pub mod link_event;
 pub mod loading;
 pub mod message;

@@ -204,7 +204,7 @@ fn global_position(
         return Err(MavlinkError::NoFix);
     }
     let (north, east) = (f32::from(payload.i16(20)), f32::from(payload.i16(22)));
-    let speed_m_s = 0.01 * libm::sqrtf(north * north + east * east);
+    let speed_m_s = 0.01 * fmc_camera_kernel::sqrt(north * north + east * east);
     memory.track = (speed_m_s >= LEAST_TRACK_SPEED_M_S).then(|| Track {
         boot_ms: payload.u32(0),
         heading_rad: libm::atan2f(east, north),

@@ -43,6 +43,11 @@ impl<'a> Compiler<'a> {
         Ok(Self { workspace, program })
     }
 
+    /// Returns the path of the compiler.
+    pub(super) fn program(&self) -> &Path {
+        &self.program
+    }
+
     /// Returns a command that compiles C.
     pub(super) fn command(&self) -> Cmd<'a> {
         let Self { workspace, program } = self;

@@ -12,6 +12,8 @@ use crate::{route::Architecture, target::Target, workspace::Workspace};
 
 /// Package and what cargo calls its archive.
 const PACKAGE: &str = "fmc-camera-c";
+/// Profile of the library for a core, which is small.
+const PROFILE: &str = "c-library";
 const ARCHIVE: &str = "libfmc_camera_c.a";
 
 /// Name of the archive as it is given to others.
@@ -47,13 +49,10 @@ impl Library {
         architecture: Architecture,
         out: &Path,
     ) -> Result<Self> {
-        let build = target.cargo(&format!("build --release -p {PACKAGE}"));
-        eprintln!("$ {build}");
-        build.run()?;
+        let made = archive(target, &[])?;
         let directory = out.join("lib").join(architecture.target());
         let path = directory.join(NAME);
         fs::create_dir_all(&directory).with_context(|| directory.display().to_string())?;
-        let made = target.programs().join(ARCHIVE);
         workspace.shell.copy_file(made, &path)?;
         Ok(Self { architecture, path })
     }
@@ -94,18 +93,23 @@ pub(super) fn with_control(
     target: &Target<'_>,
     out: &Path,
 ) -> Result<Library> {
-    let build = target.cargo(&format!("rustc --release -p {PACKAGE} --lib --"));
-    let build = build.args(["--cfg", "control"]);
-    eprintln!("$ {build}");
-    build.run()?;
+    let made = archive(target, &["--cfg", "control"])?;
     let path = out.join("control.a");
-    workspace
-        .shell
-        .copy_file(target.programs().join(ARCHIVE), &path)?;
+    workspace.shell.copy_file(made, &path)?;
     Ok(Library {
         architecture: Architecture::Armv7em,
         path,
     })
+}
+
+/// Builds the archive of a target with arguments of the compiler, and returns its place.
+fn archive(target: &Target<'_>, arguments: &[&str]) -> Result<PathBuf> {
+    // A package that is a library for Rust, too, is not optimised as a whole.
+    let line = format!("rustc --profile {PROFILE} -p {PACKAGE} --lib --crate-type staticlib --");
+    let build = target.cargo(&line).args(arguments);
+    eprintln!("$ {build}");
+    build.run()?;
+    Ok(target.made_with(PROFILE).join(ARCHIVE))
 }
 
 /// Builds the library for this PC.

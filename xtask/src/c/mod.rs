@@ -1,6 +1,7 @@
 //! `cargo xtask c`: the library for C, with its header and what build systems need, checked by
 //! programs in C on this PC and in QEMU.
 
+mod build_systems;
 mod compiler;
 mod cost;
 mod header;
@@ -13,6 +14,7 @@ use std::{fs, process::ExitCode};
 use anyhow::{Context as _, Result};
 
 use self::{
+    build_systems::Trial,
     compiler::{Compiler, host_compiler},
     library::Library,
     program::Programs,
@@ -91,9 +93,10 @@ fn build(
 
     let programs = Programs::new(workspace, &out);
     let mut printed = None;
-    if let Some(host) = host_compiler(workspace) {
+    let host = host_compiler(workspace);
+    if let Some(host) = &host {
         let library = library::for_host(workspace, &out)?;
-        printed = Some(programs.on_host(&host, &library)?);
+        printed = Some(programs.on_host(host, &library)?);
     } else {
         eprintln!("{NOT_CHECKED}C on this PC: no cc on the search path");
     }
@@ -101,6 +104,16 @@ fn build(
         programs.in_emulator(&gcc, library, emulator, printed.as_ref())?;
     }
     programs.refuses_panic(&gcc, &control)?;
+    let trial = Trial {
+        workspace,
+        programs: &programs,
+        emulator,
+        out: &out,
+        libraries: &libraries,
+        arm: &gcc,
+        host: host.as_ref(),
+    };
+    trial.run(toolbox)?;
 
     let cost = cost::measure(&programs, &gcc, &control, emulator, target)?;
     let stacks = cost.stacks();

@@ -33,9 +33,11 @@ pub(super) fn write(workspace: &Workspace, out: &Path, libraries: &[Library]) ->
         let from = directory(workspace, from);
         fs::copy(&from, &to).with_context(|| from.display().to_string())?;
     }
+    let version = env!("CARGO_PKG_VERSION");
+    let path = out.join("cmake/fmc_camera-config-version.cmake");
+    fs::write(&path, cmake_version(version)).with_context(|| path.display().to_string())?;
     let pkgconfig = out.join("pkgconfig");
     fs::create_dir_all(&pkgconfig).with_context(|| pkgconfig.display().to_string())?;
-    let version = env!("CARGO_PKG_VERSION");
     for target in libraries
         .iter()
         .map(|library| library.architecture.target())
@@ -58,4 +60,23 @@ pub(super) fn write(workspace: &Workspace, out: &Path, libraries: &[Library]) ->
         fs::write(&path, text).with_context(|| path.display().to_string())?;
     }
     Ok(())
+}
+
+/// Returns the file by which CMake judges the version that a project asks for: one with another
+/// number in the first two places has another header.
+fn cmake_version(version: &str) -> String {
+    let (compatible, _) = version.rsplit_once('.').unwrap_or((version, ""));
+    format!(
+        "set(PACKAGE_VERSION {version})\n\
+         set(fmc_camera_asked ${{PACKAGE_FIND_VERSION_MAJOR}}.${{PACKAGE_FIND_VERSION_MINOR}})\n\
+         if(fmc_camera_asked VERSION_EQUAL {compatible} AND\n   \
+         NOT PACKAGE_FIND_VERSION VERSION_GREATER PACKAGE_VERSION)\n  \
+         set(PACKAGE_VERSION_COMPATIBLE TRUE)\n\
+         else()\n  \
+         set(PACKAGE_VERSION_COMPATIBLE FALSE)\n\
+         endif()\n\
+         if(PACKAGE_FIND_VERSION VERSION_EQUAL PACKAGE_VERSION)\n  \
+         set(PACKAGE_VERSION_EXACT TRUE)\n\
+         endif()\n"
+    )
 }

@@ -15,7 +15,10 @@ use super::{
 use crate::{emulator::Emulator, no_panic::PANIC_SYMBOL, workspace::Workspace};
 
 /// Programs, from the directory of the crate; each has the output that its file beside it holds.
-const PROGRAMS: [&str; 3] = ["examples/main", "tests/flight", "tests/refusals"];
+const PROGRAMS: [&str; 3] = [EXAMPLE, "tests/flight", "tests/refusals"];
+
+/// The program of the guide.
+pub(super) const EXAMPLE: &str = "examples/main";
 
 /// Longest time of a program in QEMU; it takes seconds if nothing else runs.
 const LIMIT: Duration = Duration::from_mins(5);
@@ -92,10 +95,9 @@ impl<'a> Programs<'a> {
         let target = library.architecture.target();
         for (index, program) in PROGRAMS.into_iter().enumerate() {
             let image = self.link(compiler, library, program)?;
-            let Board { machine, .. } = library.board();
-            let printed = emulator
-                .run(machine, &[], &image, LIMIT)
+            let printed = emulated(emulator, library, &image)
                 .with_context(|| format!("{program} for {target}"))?;
+            let Board { machine, .. } = library.board();
             self.compare(program, target, &printed)?;
             let here = of_host.and_then(|outputs| outputs.get(index));
             ensure!(
@@ -177,7 +179,7 @@ impl<'a> Programs<'a> {
     }
 
     /// Compares the output of a program with the one that is kept.
-    fn compare(&self, program: &str, on: &str, printed: &str) -> Result<()> {
+    pub(super) fn compare(&self, program: &str, on: &str, printed: &str) -> Result<()> {
         let kept = self.source(program).with_extension("txt");
         let expected = fs::read_to_string(&kept).with_context(|| kept.display().to_string())?;
         if printed == expected {
@@ -209,4 +211,12 @@ impl<'a> Programs<'a> {
             .context("name of a program")?;
         Ok(directory.join(name))
     }
+}
+
+/// Runs an image on a library's machine in QEMU, and returns what it prints.
+///
+/// # Errors
+/// An error if it ends with one.
+pub(super) fn emulated(emulator: &Emulator, library: &Library, image: &Path) -> Result<String> {
+    emulator.run(library.board().machine, &[], image, LIMIT)
 }

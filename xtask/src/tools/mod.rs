@@ -52,6 +52,8 @@ pub(crate) enum Tool {
     Aarch64,
     /// GNU's C compiler for Arm, with a C library.
     ArmGcc,
+    /// CMake.
+    Cmake,
     /// Checker of C sources, with its rules of MISRA C.
     Cppcheck,
 }
@@ -68,6 +70,7 @@ impl Tool {
             Self::Pip => "pip",
             Self::Aarch64 => "aarch64",
             Self::ArmGcc => "arm-gcc",
+            Self::Cmake => "cmake",
             Self::Cppcheck => "cppcheck",
         }
     }
@@ -87,6 +90,7 @@ impl Tool {
                 "qemu-user-static",
             ],
             Self::ArmGcc => &["gcc-arm-none-eabi"],
+            Self::Cmake => &["cmake"],
             Self::Cppcheck => &["cppcheck"],
         }
     }
@@ -103,6 +107,7 @@ impl Tool {
             Self::Pip => &[],
             Self::Aarch64 => &["aarch64-linux-gnu-gcc", "qemu-aarch64-static"],
             Self::ArmGcc => &["arm-none-eabi-gcc"],
+            Self::Cmake => &["cmake"],
             Self::Cppcheck => &["cppcheck"],
         }
     }
@@ -118,6 +123,7 @@ impl Tool {
             | Self::Pip
             | Self::Aarch64
             | Self::ArmGcc
+            | Self::Cmake
             | Self::Cppcheck => None,
         }
     }
@@ -148,6 +154,7 @@ impl fmt::Display for Tool {
             Self::Pip => "Python with pip",
             Self::Aarch64 => "linker and emulator of 64-bit Arm",
             Self::ArmGcc => "C compiler for the target",
+            Self::Cmake => "CMake",
             Self::Cppcheck => "checker of C sources",
         })
     }

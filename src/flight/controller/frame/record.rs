@@ -81,7 +81,7 @@ impl FrameMachine {
                 // Half of the variances of first and last light.
                 let stamps_s2 = 0.5 * STAMP_SIGMA_S * STAMP_SIGMA_S;
                 let variance_s2 = utc.sigma_s * utc.sigma_s + later_s * later_s;
-                utc.sigma_s = libm::sqrtf(variance_s2 + stamps_s2);
+                utc.sigma_s = fmc_camera_kernel::sqrt(variance_s2 + stamps_s2);
             }
             Outcome::Exposed(exposed)
         } else {

@@ -110,7 +110,7 @@ fn sigma_of_readings(
         + square(speed_mm_s * drive.reading_age_sigma_s)
         + square(play_sigma_mm);
     PrincipalPointSigma {
-        frame_mm: libm::sqrtf(frame_variance),
-        common_mm: libm::sqrtf(common_variance),
+        frame_mm: fmc_camera_kernel::sqrt(frame_variance),
+        common_mm: fmc_camera_kernel::sqrt(common_variance),
     }
 }

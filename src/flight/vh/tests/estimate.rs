@@ -9,7 +9,7 @@ fn vh_is_speed_over_height_with_its_sigma() {
     assert!(!estimate.extrapolated && estimate.age_s < 1e-6);
     assert!((estimate.vh_per_s - VH).abs() < 1e-4);
     // 0.1 m/s of 60 m/s and 3 m of 1000 m: 1/600 and 3/1000 of 0.06.
-    let expected = VH * libm::sqrtf(1.0 / (600.0 * 600.0) + 9e-6);
+    let expected = VH * fmc_camera_kernel::sqrt(1.0 / (600.0 * 600.0) + 9e-6);
     assert!((estimate.sigma_per_s - expected).abs() < 0.001 * expected);
 }
 
@@ -24,7 +24,7 @@ fn age_counts_from_the_measurement_to_the_use_and_sigma_grows_with_it() {
         let found = monitor.estimate_ahead(at(now), ahead_s).unwrap();
         assert!((found.age_s - age_s).abs() < 1e-6, "{found:?}");
         // A noise of 0.0005 1/s and a random walk of 0.004 1/s per √s.
-        let expected = libm::sqrtf(0.0005 * 0.0005 + 0.004 * 0.004 * age_s);
+        let expected = fmc_camera_kernel::sqrt(0.0005 * 0.0005 + 0.004 * 0.004 * age_s);
         assert!((found.sigma_per_s - expected).abs() < 1e-3 * expected);
     }
 }
@@ -55,7 +55,7 @@ fn noise_and_change_are_those_of_the_samples() {
         // Less the 3 m of the altimeter.
         let of_height = estimate.vh_per_s * 0.003;
         let sigma = estimate.sigma_per_s;
-        1000.0 * libm::sqrtf(sigma * sigma - of_height * of_height)
+        1000.0 * fmc_camera_kernel::sqrt(sigma * sigma - of_height * of_height)
     };
     // The noise alone, where the settings state 0.1 m/s.
     let noise = sigma(0.0);
@@ -86,7 +86,7 @@ fn guess_of_the_change_fades_with_the_differences_that_the_samples_show() {
         1000.0 * monitor.estimate_ahead(latest, 1.0).unwrap().sigma_per_s
     };
     for (differences, share) in [(0, 1.0), (2, 1.0 / 5.0), (4, 1.0 / 13.0), (10, 1.0 / 61.0)] {
-        let expected = 3.0 * libm::sqrtf(share);
+        let expected = 3.0 * fmc_camera_kernel::sqrt(share);
         let found = sigma(differences);
         assert!(
             (found - expected).abs() < 0.001 * expected,
