@@ -17,6 +17,7 @@ USART2, USART3, UART7 = 0x4000_4400, 0x4000_4800, 0x4000_7800
 GPIO, PORTS = 0x5802_0000, "ABCDEFGHIJK"
 RCC, PWR, IWDG = 0x5802_4400, 0x5802_4800, 0x5800_4800
 RCC_CR, RCC_CFGR, RCC_RSR, RCC_CSR, RCC_BDCR = (RCC + at for at in (0, 0x10, 0xD0, 0x74, 0x70))
+RCC_PLLCKSELR = RCC + 0x28
 PWR_CR1, PWR_CSR1, PWR_D3CR = PWR, PWR + 4, PWR + 0x18
 
 # Flags of RCC_RSR by cause, RM0433 table 56: the processor's flag and the pin's come with each.
@@ -151,6 +152,8 @@ class SerialPort:
 
     def read(self, offset):
         if offset == 0x1C:
+            if self.sending == self.FIFO:
+                self.processor.poll()
             return (
                 (8 if self.overrun else 0)
                 | (0x20 if self.received else 0)
@@ -267,6 +270,14 @@ class Chip:
         elif address == IWDG:
             if value == 0xCCCC or (value == 0xAAAA and self.fed is not None):
                 self._feed()
+        elif address == RCC_PLLCKSELR:
+            # Source and dividers stay as they are while their PLL is on.
+            kept = 0
+            for pll in range(3):
+                if self.registers[RCC_CR] >> 24 + 2 * pll & 1:
+                    kept |= 3 | 0x3F << 4 + 8 * pll
+            before = self.registers.get(address, 0)
+            self.registers[address] = before & kept | value & ~kept
         elif address == RCC_RSR:
             if value & REMOVE_FLAGS:
                 self.flags = 0

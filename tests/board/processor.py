@@ -17,9 +17,11 @@ from unicorn import arm_const as arm
 CYCLES_PER_US = 400
 # Cycles of an access to a peripheral over the slower buses.
 BUS_CYCLES = 24
-# Most instructions between two looks at interrupts, and while one is masked.
+# Most instructions between two looks at interrupts, while one is masked, and while a register is
+# polled.
 SLICE = 400
 SLICE_WHILE_MASKED = 24
+SLICE_WHILE_POLLED = 100
 
 FLASH, FLASH_BYTES = 0x0800_0000, 0x20_0000
 ITCM, ITCM_BYTES = 0x0000_0000, 0x1_0000
@@ -54,6 +56,7 @@ class Processor:
         self.now = 0
         self.events = []
         self.order = 0
+        self.is_polling = False
         self.uc = uc = unicorn.Uc(unicorn.UC_ARCH_ARM, unicorn.UC_MODE_THUMB | unicorn.UC_MODE_MCLASS)
         uc.ctl_set_cpu_model(arm.UC_CPU_ARM_CORTEX_M7)
         uc.mem_map(FLASH, FLASH_BYTES, unicorn.UC_PROT_READ | unicorn.UC_PROT_EXEC)
@@ -80,6 +83,12 @@ class Processor:
 
     def after(self, cycles, act):
         self.at(self.now + cycles, act)
+
+    def poll(self):
+        """A register is read again and again that only the next event can change: time passes."""
+        if self.events:
+            self.now = max(self.now, min(self.events[0][0], self.horizon))
+        self.is_polling = True
 
     # Reset.
 
@@ -245,6 +254,7 @@ class Processor:
             while self.events and self.events[0][0] <= self.now:
                 heapq.heappop(self.events)[2]()
             horizon = min(self.events[0][0], until) if self.events else until
+            self.horizon = horizon
             if self.locked:
                 self.now = max(self.now, horizon)
                 continue
@@ -262,7 +272,11 @@ class Processor:
             elif pending == NMI and self.active[-1] > HARD_FAULT:
                 self._enter(NMI)
             if not self.locked:
-                self._slice(SLICE_WHILE_MASKED if masked else max(1, min(SLICE, horizon - self.now)))
+                longest = SLICE_WHILE_POLLED if self.is_polling else SLICE
+                self.is_polling = False
+                if masked:
+                    longest = SLICE_WHILE_MASKED
+                self._slice(max(1, min(longest, horizon - self.now)))
 
     def _slice(self, instructions):
         uc = self.uc

@@ -77,7 +77,7 @@ class Timer:
             self.start_count, self.start_time = count, now
         else:
             self.registers[offset] = value
-        if offset in (CNT, EGR, CR1) or CCR1 <= offset < CCR1 + 16:
+        if offset in (CNT, EGR, CR1, DIER) or CCR1 <= offset < CCR1 + 16:
             self.epoch += 1
             for channel in range(4):
                 self._plan(channel)
@@ -104,8 +104,8 @@ class Timer:
         self.registers[CCR1 + 4 * channel] = count
 
     def _plan(self, channel):
-        """Plans the next match of a channel that compares."""
-        if self.is_input(channel) or not self.runs:
+        """Plans the next match of a channel that compares, if anybody asks to be told."""
+        if self.is_input(channel) or not self.runs or not self.registers.get(DIER, 0) >> channel & 2:
             return
         now, period = self.processor.now, TIMER_CYCLES * self.prescaler
         ahead = (self.registers.get(CCR1 + 4 * channel, 0) - self.count(now)) % (
@@ -141,6 +141,9 @@ class EncoderTimer(Timer):
         # What the tracks have done by now may have latched.
         self.tracks(self.processor.now)
         return super().read(offset)
+
+    def _plan(self, channel):
+        """Plans nothing: it counts tracks, not time."""
 
     def write(self, offset, value):
         super().write(offset, value)
