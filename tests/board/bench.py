@@ -67,6 +67,15 @@ class Stage:
             if crossed is not None and after != before:
                 crossed(before, after)
 
+    def at_mm(self, time_s):
+        """Returns the position at a time that is remembered."""
+        assert self.steps[0][0] <= time_s <= self.time_s
+        begin, position, speed, rate = next(
+            step for step in reversed(self.steps) if step[0] <= time_s
+        )
+        after_s = time_s - begin
+        return position + (speed + 0.5 * rate * after_s) * after_s
+
     def mean_mm(self, start_s, end_s):
         """Returns the mean position over a time that is remembered."""
         assert self.steps and self.steps[0][0] <= start_s < end_s <= self.time_s
@@ -150,10 +159,10 @@ class Bench:
             self._advance(time)
             start_s, end_s = self.seconds(since), self.seconds(time)
             self.frames.append({
-                "opened_us": self.chip.clock.count(since),
-                "closed_us": self.chip.clock.count(time),
-                "exposure_s": end_s - start_s,
+                "opened_s": start_s,
+                "closed_s": end_s,
                 "mean_mm": self.stage.mean_mm(start_s, end_s),
+                "travel_mm": self.stage.at_mm(end_s) - self.stage.at_mm(start_s),
                 "unix_us": 1e6 * (EPOCH_S + (start_s + end_s) / 2),
             })  # fmt: skip
 

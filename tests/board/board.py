@@ -97,9 +97,8 @@ class Board:
 
     def client(self, *command, code=0):
         """Runs a program of this PC with the port until it ends; returns what it has printed."""
-        with subprocess.Popen(
-            [str(part) for part in command], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
-        ) as program:
+        pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
+        with subprocess.Popen([str(part) for part in command], **pipes) as program:
             self.serve(lambda: program.poll() is None)
             output, errors = program.communicate()
         if program.returncode != code:

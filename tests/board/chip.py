@@ -7,10 +7,8 @@ is written to it.
 
 from collections import deque
 
-from processor import CYCLES_PER_US, FIRST_INTERRUPT
-from timers import BDTR, CCER, CCR1, CR1, ENABLED, MAIN_OUTPUT, EncoderTimer, Timer
-
-assert FIRST_INTERRUPT == 16
+from processor import CYCLES_PER_US
+from timers import ARR, BDTR, CCER, CCR1, CR1, ENABLED, MAIN_OUTPUT, EncoderTimer, Timer
 
 TIM1, TIM2, TIM4, TIM5 = 0x4001_0000, 0x4000_0000, 0x4000_0800, 0x4000_0C00
 USART2, USART3, UART7 = 0x4000_4400, 0x4000_4800, 0x4000_7800
@@ -311,7 +309,7 @@ class Chip:
             and timer.get(BDTR, 0) & MAIN_OUTPUT
             and self.pins.has_function("PE9")
         )
-        duty = min(1.0, timer.get(CCR1, 0) / (timer.get(0x2C, 0) + 1)) if drives else 0.0
+        duty = min(1.0, timer.get(CCR1, 0) / (timer.get(ARR, 0) + 1)) if drives else 0.0
         direction = -1.0 if self.pins.is_high("PE10") else 1.0
         self.bench.drive(
             self.processor.now,

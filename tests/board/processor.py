@@ -57,7 +57,8 @@ class Processor:
         self.events = []
         self.order = 0
         self.is_polling = False
-        self.uc = uc = unicorn.Uc(unicorn.UC_ARCH_ARM, unicorn.UC_MODE_THUMB | unicorn.UC_MODE_MCLASS)
+        mode = unicorn.UC_MODE_THUMB | unicorn.UC_MODE_MCLASS
+        self.uc = uc = unicorn.Uc(unicorn.UC_ARCH_ARM, mode)
         uc.ctl_set_cpu_model(arm.UC_CPU_ARM_CORTEX_M7)
         uc.mem_map(FLASH, FLASH_BYTES, unicorn.UC_PROT_READ | unicorn.UC_PROT_EXEC)
         for start, length in ((ITCM, ITCM_BYTES), (DTCM, DTCM_BYTES), (AXI, AXI_BYTES)):

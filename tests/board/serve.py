@@ -1,4 +1,4 @@
-"""The board's image on the model, for anybody to try: prints a serial port that is the board's link.
+"""The board's image on the model, for anybody to try: prints the serial port of the board's link.
 
 Usage: serve.py IMAGE [--clock-ppm PPM] [--triggers-every S]
 

@@ -105,7 +105,8 @@ class Timer:
 
     def _plan(self, channel):
         """Plans the next match of a channel that compares, if anybody asks to be told."""
-        if self.is_input(channel) or not self.runs or not self.registers.get(DIER, 0) >> channel & 2:
+        is_asked = self.registers.get(DIER, 0) >> channel & 2
+        if self.is_input(channel) or not self.runs or not is_asked:
             return
         now, period = self.processor.now, TIMER_CYCLES * self.prescaler
         ahead = (self.registers.get(CCR1 + 4 * channel, 0) - self.count(now)) % (

@@ -17,11 +17,10 @@ use crate::{
 /// Document of the board.
 const DOCUMENT: &str = "docs/board.md";
 
-/// Runner of cargo in place of the one that flashes a board: it names itself, and leaves the image
-/// alone.
+/// Runner of cargo in place of the one that flashes a board: it prints the image's path.
 const RUNNER: (&str, &str) = (
     "CARGO_TARGET_THUMBV7EM_NONE_EABIHF_RUNNER",
-    "rustc --version",
+    if cfg!(windows) { "cmd /c echo" } else { "echo" },
 );
 
 /// List of the functions that may panic.
