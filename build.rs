@@ -2,7 +2,11 @@
 //! RUSTFLAGS, so that a user's flags cannot displace them. A build of the library alone gets none
 //! of them. The condition `host_kernel` is set where the feature `host` has a kernel.
 
-use std::{env, fs, io, path::PathBuf};
+use std::{
+    env, fs, io,
+    path::{Path, PathBuf},
+    process::Command,
+};
 
 /// Features that choose a board, each with the file that describes its memory.
 const BOARDS: [(&str, &str); 2] = [
@@ -63,7 +67,36 @@ fn firmware(memory: &str) -> io::Result<()> {
         println!("cargo::rustc-link-arg-bins={argument}");
     }
     log_level();
+    name_sources();
     Ok(())
+}
+
+/// Names the state of the sources for the firmware, which tells it to the PC: what `FMC_BUILD`
+/// says, else what git says, else the package's version.
+fn name_sources() {
+    println!("cargo::rerun-if-env-changed=FMC_BUILD");
+    if env::var_os("FMC_BUILD").is_some() {
+        return;
+    }
+    let git = |arguments: &[&str]| {
+        let output = Command::new("git").args(arguments).output().ok()?;
+        let text = String::from_utf8(output.stdout).ok()?;
+        let text = text.trim().to_owned();
+        (output.status.success() && !text.is_empty()).then_some(text)
+    };
+    // The package may lie unpacked below a repository of somebody else.
+    let is_tracked = git(&["ls-files", "--error-unmatch", "build.rs"]).is_some();
+    let described = git(&["describe", "--always", "--dirty"]).filter(|_| is_tracked);
+    let name = described.unwrap_or_else(|| env::var("CARGO_PKG_VERSION").unwrap_or_default());
+    println!("cargo::rustc-env=FMC_BUILD={name}");
+    // Commits, and changes without one.
+    let places = git(&["rev-parse", "--git-path", "logs/HEAD"]);
+    let sources = ["src", "crates/kernel", "Cargo.toml", "Cargo.lock"].map(str::to_owned);
+    for place in places.into_iter().chain(sources) {
+        if Path::new(&place).exists() {
+            println!("cargo::rerun-if-changed={place}");
+        }
+    }
 }
 
 /// Sets the level of the log, because without the variable only errors would be compiled in.

@@ -6,6 +6,7 @@ pub mod camera;
 mod camera_slot;
 pub mod control_loop;
 pub mod controller;
+pub mod disciplined_clock;
 pub mod drive;
 pub mod event;
 pub mod event_queue;

@@ -14,14 +14,23 @@ use crate::{
     workspace::Workspace,
 };
 
+/// Document of the board.
+const DOCUMENT: &str = "docs/board.md";
+
+/// Runner of cargo in place of the one that flashes a board: it prints the image's path.
+const RUNNER: (&str, &str) = (
+    "CARGO_TARGET_THUMBV7EM_NONE_EABIHF_RUNNER",
+    if cfg!(windows) { "cmd /c echo" } else { "echo" },
+);
+
 /// List of the functions that may panic.
 const ALLOWED: &str = "docs/board-panics.txt";
 
 /// Callers of a function, by name.
 type Callers = BTreeMap<String, BTreeSet<String>>;
 
-/// Lints and links the image, compares its panics with the list, and copies it to
-/// `<target>/firmware`.
+/// Lints and links the image, compares its panics with the list, runs the document's command
+/// without a board, and copies the image to `<target>/firmware`.
 ///
 /// # Errors
 /// An error if the image has lints, does not link, or can panic in functions that are not listed.
@@ -56,7 +65,34 @@ pub(crate) fn check(workspace: &Workspace, target: &Target<'_>) -> Result<()> {
 
     let image = firmware::build(workspace, target, board)?;
     eprintln!("image: {}", image.display());
+    check_command(workspace, target, &image)
+}
+
+/// Runs the command by which the document flashes the image, with a runner that needs no board. It
+/// must make the image that is kept, and the image must name its sources.
+fn check_command(workspace: &Workspace, target: &Target<'_>, image: &Path) -> Result<()> {
+    let document = workspace.shell.read_file(workspace.root.join(DOCUMENT))?;
+    let command = flash_command(&document).with_context(|| format!("no command in {DOCUMENT}"))?;
+    let command = target.cargo(&command).env(RUNNER.0, RUNNER.1);
+    eprintln!("$ {command}");
+    command.run()?;
+    let read = |path: &Path| std::fs::read(path).with_context(|| path.display().to_string());
+    let made = read(&target.programs().join("firmware"))?;
+    ensure!(
+        made == read(image)?,
+        "the command of {DOCUMENT} makes another image than this step"
+    );
     Ok(())
+}
+
+/// Returns cargo's arguments of the document's command, without the target, which [`Target::cargo`]
+/// adds.
+fn flash_command(document: &str) -> Option<String> {
+    let line = document
+        .lines()
+        .find_map(|line| line.strip_prefix("    cargo run "))?;
+    let arguments = line.replace(" --target thumbv7em-none-eabihf", "");
+    (arguments != line).then(|| format!("run {arguments}"))
 }
 
 /// Returns the callers of every function in an image that was linked with its relocations.
@@ -145,7 +181,7 @@ mod tests {
 
     use std::path::Path;
 
-    use super::{Callers, is_core, listed, panicking};
+    use super::{Callers, DOCUMENT, flash_command, is_core, listed, panicking};
 
     #[test]
     fn first_callers_outside_core_are_found_through_core() {
@@ -188,6 +224,16 @@ mod tests {
             listed(list).collect::<Vec<_>>(),
             ["a::start", "a::clock::set"]
         );
+    }
+
+    #[test]
+    fn command_of_the_document_is_found_and_names_its_package() {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+        let document = std::fs::read_to_string(root.join(DOCUMENT)).unwrap();
+        let command = flash_command(&document).unwrap();
+        // Without its package cargo takes features of the PC's programs, which need std.
+        assert!(command.contains("-p fmc-camera "), "{command}");
+        assert_eq!(flash_command("    cargo run --bin firmware\n"), None);
     }
 
     /// The board's document has the pins and the speed of the firmware's link.

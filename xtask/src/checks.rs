@@ -7,7 +7,7 @@ use anyhow::Result;
 use clap::ValueEnum;
 
 use crate::{
-    CHECK_FAILED, NOT_STARTED, bench, board, c,
+    CHECK_FAILED, NOT_STARTED, bench, board, board_flight, c,
     equipment::{Equipment, Need},
     exchange,
     firmware::{self, Image},
@@ -63,6 +63,8 @@ pub(crate) enum Step {
     Firmware,
     /// Lint and build the image for the board, and check which functions in it can panic
     Board,
+    /// Fly the image for the board on a model of its chip, under `host-sim`
+    BoardFlight,
     /// Build the library for C, and run its programs on this PC and in QEMU
     C,
     /// Compare instructions, image sizes and stack with the tables in docs
@@ -95,7 +97,9 @@ impl Step {
             Self::TargetLints | Self::FirmwareLints | Self::Board => {
                 &[Need::Compiler, Need::Clippy]
             }
-            Self::TargetBuild | Self::NoPanic | Self::FirmwareNoPanic => &[Need::Compiler],
+            Self::TargetBuild | Self::NoPanic | Self::FirmwareNoPanic | Self::BoardFlight => {
+                &[Need::Compiler]
+            }
             Self::Firmware | Self::C | Self::Costs => &[Need::Compiler, Need::Qemu],
         }
     }
@@ -182,6 +186,9 @@ fn run_step(step: Step, workspace: &Workspace, equipment: &Equipment<'_>) -> Res
             return firmware::test(workspace, target()?, emulator);
         }
         Step::Board => return board::check(workspace, target()?),
+        Step::BoardFlight => {
+            return board_flight::check(workspace, target()?, equipment.toolbox());
+        }
         Step::C => {
             let target = target()?;
             return c::check(workspace, target, equipment.emulator()?, equipment.toolbox());

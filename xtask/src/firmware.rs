@@ -3,7 +3,7 @@
 use std::{fmt, fs, path::PathBuf, process::ExitCode};
 
 use anyhow::{Context as _, Result};
-use xshell::{Cmd, cmd};
+use xshell::Cmd;
 
 use crate::{
     checks::TESTED,
@@ -97,7 +97,7 @@ pub(crate) fn build(workspace: &Workspace, target: &Target<'_>, image: Image) ->
     // Another xtask may build another image in the same place, or its QEMU may load the image that
     // is kept.
     let _lock = Workspace::lock(&directory(workspace), "builds the firmware")?;
-    let build = rustc(target, image, &[]).env("FMC_BUILD", sources(workspace));
+    let build = rustc(target, image, &[]);
     eprintln!("$ {build}");
     build.run()?;
     let kept = image.path(workspace);
@@ -106,17 +106,6 @@ pub(crate) fn build(workspace: &Workspace, target: &Target<'_>, image: Image) ->
     shell.copy_file(target.programs().join("firmware"), &new)?;
     fs::rename(&new, &kept).with_context(|| kept.display().to_string())?;
     Ok(kept)
-}
-
-/// Returns the state of the sources, as git names it.
-fn sources(workspace: &Workspace) -> String {
-    let describe = cmd!(workspace.shell, "git describe --always --dirty").quiet();
-    let name = describe.ignore_stderr().read().unwrap_or_default();
-    if name.is_empty() {
-        "unnamed".to_owned()
-    } else {
-        name
-    }
 }
 
 /// Lints an image.

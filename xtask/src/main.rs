@@ -9,6 +9,7 @@
 mod aarch64;
 mod bench;
 mod board;
+mod board_flight;
 mod c;
 mod checks;
 mod cores;
@@ -20,6 +21,7 @@ mod kernel;
 mod machine;
 mod missing;
 mod no_panic;
+mod python;
 mod route;
 mod schedule;
 mod system;
@@ -89,7 +91,8 @@ enum Command {
     /// Check formatting, lints, documentation and tests
     ///
     /// On the host: formatting, lints, documentation and tests. For the target: lints, builds, and
-    /// checks that no panic can be reached. In QEMU: the tests of the firmware.
+    /// checks that no panic can be reached. In QEMU: the tests of the firmware. In Unicorn: the
+    /// image for the board in flight, on a model of its chip.
     Test {
         /// Run this step alone
         #[arg(long, value_enum)]

@@ -44,6 +44,7 @@ const LANES: [&[Step]; 2] = [
         Step::Board,
         Step::C,
         Step::Firmware,
+        Step::BoardFlight,
         Step::Costs,
     ],
 ];

@@ -33,12 +33,9 @@ use {
 #[cfg(board)]
 static GRIDS: ConstStaticCell<GridMemory> = ConstStaticCell::new(GridMemory::EMPTY);
 
-/// State of the sources from which this image was built.
+/// State of the sources from which this image was built: `build.rs` names it where nobody else has.
 #[cfg(board)]
-const BUILD: &str = match option_env!("FMC_BUILD") {
-    Some(build) => build,
-    None => "unnamed",
-};
+const BUILD: &str = env!("FMC_BUILD");
 
 #[cfg(all(target_os = "none", not(board)))]
 compile_error!("the firmware needs a board, such as --features board-mps2");

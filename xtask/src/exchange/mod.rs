@@ -1,15 +1,11 @@
 //! Files for other programs and poses, read by the programs themselves, and blocks of frames on
 //! several workers: `OpenCV`, COLMAP and Dask, from the Python package index.
 
-mod python;
-
 use std::{fs, path::PathBuf};
 
 use anyhow::{Context as _, Result, ensure};
-use xshell::cmd;
 
-use self::python::Python;
-use crate::{tools::Toolbox, verify, workspace::Workspace};
+use crate::{python::Python, tools::Toolbox, verify, workspace::Workspace};
 
 /// Script that reads the files and projects points.
 const SCRIPT: &str = "xtask/src/exchange/readers.py";
@@ -43,7 +39,7 @@ const ALL_TERMS: &str = "name = \"all terms\"\nprincipal_distance_mm = 100\n\
 /// states.
 pub(crate) fn check(workspace: &Workspace, toolbox: &Toolbox<'_>) -> Result<()> {
     let host_sim = verify::tested_host_sim(workspace)?;
-    let python = Python::with(workspace, toolbox, &PACKAGES).context(
+    let python = Python::with(workspace, toolbox, "readers", &PACKAGES).context(
         "exports cannot be read by OpenCV and COLMAP, nor blocks be rectified with Dask",
     )?;
     let shell = &workspace.shell;
@@ -86,22 +82,4 @@ fn cameras(workspace: &Workspace) -> Result<Vec<PathBuf>> {
     files.sort();
     ensure!(!files.is_empty(), "no camera files in {}", folder.display());
     Ok(files)
-}
-
-/// Returns the error of a command with what it has printed.
-fn succeed(command: xshell::Cmd<'_>) -> Result<String> {
-    let output = command.quiet().ignore_status().output()?;
-    let errors = String::from_utf8_lossy(&output.stderr);
-    let last = errors.lines().rfind(|line| !line.trim().is_empty());
-    ensure!(
-        output.status.success(),
-        "{}",
-        last.unwrap_or("it says nothing").trim()
-    );
-    Ok(String::from_utf8_lossy(&output.stdout).into_owned())
-}
-
-/// Returns the version that a Python states.
-fn stated_version(shell: &xshell::Shell, program: &std::path::Path) -> Result<String> {
-    succeed(cmd!(shell, "{program} --version"))
 }

@@ -16,11 +16,11 @@ use embassy_stm32::{
     timer::{Ch1, Ch2, Ch3, Ch4},
 };
 use fmc_camera::flight::{
+    disciplined_clock::DisciplinedClock,
     drive::flown_drive::FlownDrive,
     event::{Event, ShutterEdge},
     flown_deck::FlownDeck,
     ring::Ring,
-    time::Clock,
 };
 
 /// Number of edges of one line that are kept from one round to the next.
@@ -107,12 +107,18 @@ fn listen() {
     });
 }
 
-/// Hands over the stamped edges.
-pub(super) fn hand_over<Drive: FlownDrive>(clock: &mut Clock, deck: &mut FlownDeck<Drive>) {
+/// Hands over the stamped edges; time pulses give the clock its rate.
+pub(super) fn hand_over<Drive: FlownDrive>(
+    clock: &mut DisciplinedClock,
+    deck: &mut FlownDeck<Drive>,
+) {
     for (edges, event) in EDGES.iter().zip(EVENTS) {
         // No more are taken than were there at first, however fast they come.
         for stamp in (0..PLACES).map_while(|_| edges.pop()) {
             deck.capture(clock.extend(stamp), event);
+            if event == Event::TimePulse {
+                clock.pulse(stamp);
+            }
         }
         let lost = edges.take_lost();
         if lost > 0 {

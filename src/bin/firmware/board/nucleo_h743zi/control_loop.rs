@@ -4,7 +4,9 @@ use core::sync::atomic::{AtomicBool, Ordering};
 
 use cortex_m::peripheral::{SYST, syst::SystClkSource};
 use cortex_m_rt::exception;
-use fmc_camera::flight::{event::Action, round_guard::RoundGuard, time::Clock};
+use fmc_camera::flight::{
+    disciplined_clock::DisciplinedClock, event::Action, round_guard::RoundGuard,
+};
 
 use crate::journal;
 
@@ -36,7 +38,7 @@ pub(super) fn is_overdue() -> bool {
 }
 
 /// Sets the deck's time, and makes a round if one is due.
-pub(super) fn turn(time: &mut Clock, deck: &mut Deck) {
+pub(super) fn turn(time: &mut DisciplinedClock, deck: &mut Deck) {
     deck.flown_mut().set_now(time.extend(clock::now_us()));
     if !IS_DUE.swap(false, Ordering::Relaxed) {
         return;
@@ -48,7 +50,9 @@ pub(super) fn turn(time: &mut Clock, deck: &mut Deck) {
     GUARD.come_round(now_us);
     for action in &deck.round(time.extend(now_us)) {
         match *action {
-            Action::OpenShutter { at, exposure_s } => shutter::open(at, exposure_s),
+            Action::OpenShutter { at, exposure_s } => {
+                shutter::open(time.counted(at), time.counted_s(exposure_s));
+            }
             Action::CloseShutter => shutter::close(),
             Action::Fault(fault) => journal::note_fault(fault),
             Action::InDoubt(exposures) => journal::note_doubt(exposures),

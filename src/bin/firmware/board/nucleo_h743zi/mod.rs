@@ -33,7 +33,7 @@ use self::{
     step_pins::StepPins,
     wires::Wires,
 };
-use fmc_camera::flight::{flown_deck::FlownDeck, time::Clock};
+use fmc_camera::flight::{disciplined_clock::DisciplinedClock, flown_deck::FlownDeck};
 use fmc_camera::io::instruments::Instruments;
 use fmc_camera::io::link::{message::ResetCause, wired_deck::WiredDeck};
 
@@ -48,7 +48,7 @@ pub(crate) struct Board {
     alive: Output<'static>,
     /// LD3, red: lit if this start follows a fault or the watchdog.
     _restarted: Output<'static>,
-    time: Clock,
+    time: DisciplinedClock,
     _clock: Microseconds,
     _motor: Motor,
     _captures: Captures,
@@ -82,7 +82,7 @@ impl Board {
             link: Link::start(p.USART3, p.PD8, p.PD9),
             alive: Output::new(p.PB0, Level::High, Speed::Low),
             _restarted: Output::new(p.PB14, restarted, Speed::Low),
-            time: Clock::new(),
+            time: DisciplinedClock::new(),
             _motor: Motor::start(
                 (p.TIM1, p.TIM4),
                 MotorPins {

@@ -68,7 +68,7 @@ impl Shutter {
     }
 }
 
-/// Sets the command that leaves at a time, for an exposure, s.
+/// Sets the command that leaves at a time of the counter, for an exposure, s by the counter.
 pub(super) fn open(at: Time, exposure_s: f32) {
     change(|shutter| shutter.open(at, exposure_s));
 }

@@ -9,7 +9,6 @@ use std::{
 use anyhow::{Context as _, Result, bail, ensure};
 use xshell::{Cmd, Shell, cmd};
 
-use super::{stated_version, succeed};
 use crate::{
     machine::on_path,
     tools::{Tool, Toolbox},
@@ -37,13 +36,15 @@ pub(crate) struct Python {
 }
 
 impl Python {
-    /// Finds or fetches an interpreter, and the packages for it.
+    /// Finds or fetches an interpreter, and the packages for it, which are kept in a directory of
+    /// that name.
     ///
     /// # Errors
     /// An error that says what is not available.
     pub(crate) fn with(
         workspace: &Workspace,
         toolbox: &Toolbox<'_>,
+        name: &str,
         packages: &[&str],
     ) -> Result<Self> {
         let shell = &workspace.shell;
@@ -56,7 +57,7 @@ impl Python {
             python.program.display()
         ));
         let tools = workspace.target_dir.join("tools");
-        let place = tools.join("readers");
+        let place = tools.join(name);
         // Packages with compiled code are of one version of Python.
         let wanted = format!("{}\n{}", version.trim(), packages.join("\n"));
         let is_complete = |place: &Path| {
@@ -171,4 +172,22 @@ fn library_directories(root: &Path) -> Vec<PathBuf> {
         })
         .filter(|path| path.to_string_lossy().contains("-linux-gnu"))
         .collect()
+}
+
+/// Returns the error of a command with what it has printed.
+fn succeed(command: Cmd<'_>) -> Result<String> {
+    let output = command.quiet().ignore_status().output()?;
+    let errors = String::from_utf8_lossy(&output.stderr);
+    let last = errors.lines().rfind(|line| !line.trim().is_empty());
+    ensure!(
+        output.status.success(),
+        "{}",
+        last.unwrap_or("it says nothing").trim()
+    );
+    Ok(String::from_utf8_lossy(&output.stdout).into_owned())
+}
+
+/// Returns the version that a Python states.
+fn stated_version(shell: &Shell, program: &Path) -> Result<String> {
+    succeed(cmd!(shell, "{program} --version"))
 }

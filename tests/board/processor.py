@@ -1,0 +1,299 @@
+"""Processor of the model: Unicorn runs the instructions of a Cortex-M7; exceptions, sleep, faults,
+lock-up, resets and the passing of time are here.
+
+Time counts in cycles of the processor. An instruction takes one, a read or write of a peripheral
+`BUS_CYCLES` more. Interrupts are looked at between slices of up to `SLICE` instructions, more often
+while one waits for the end of a critical section; whatever happens outside is stamped with its own
+time.
+"""
+
+import heapq
+import struct
+
+import unicorn
+from unicorn import arm_const as arm
+
+# Cycles per microsecond: 400 MHz.
+CYCLES_PER_US = 400
+# Cycles of an access to a peripheral over the slower buses.
+BUS_CYCLES = 24
+# Most instructions between two looks at interrupts, while one is masked, and while a register is
+# polled.
+SLICE = 400
+SLICE_WHILE_MASKED = 24
+SLICE_WHILE_POLLED = 100
+
+FLASH, FLASH_BYTES = 0x0800_0000, 0x20_0000
+ITCM, ITCM_BYTES = 0x0000_0000, 0x1_0000
+DTCM, DTCM_BYTES = 0x2000_0000, 0x2_0000
+AXI, AXI_BYTES = 0x2400_0000, 0x8_0000
+PERIPHERALS, PERIPHERALS_BYTES = 0x4000_0000, 0x2000_0000
+PRIVATE, PRIVATE_BYTES = 0xE000_0000, 0x10_0000
+# Returns from exceptions go to such an address; a page is there so that Unicorn can stop before it.
+RETURN_PAGE, RETURN, RETURN_BYTES = 0xFFFF_F000, 0xFFFF_FFE8, 0x1000
+WFI = b"\x30\xbf"
+# Frame that an exception pushes, with floating point: r0-r3, r12, lr, pc, xPSR, s0-s15, FPSCR, and
+# a word that keeps it aligned.
+FRAME_BYTES = 104
+
+NMI, HARD_FAULT, SYSTICK, FIRST_INTERRUPT = 2, 3, 15, 16
+
+FORCED = 1 << 30
+BUS_FAULT, UNDEFINED = 0x8200, 0x1_0000
+
+_PUSHED = (
+    arm.UC_ARM_REG_R0, arm.UC_ARM_REG_R1, arm.UC_ARM_REG_R2, arm.UC_ARM_REG_R3,
+    arm.UC_ARM_REG_R12, arm.UC_ARM_REG_LR, arm.UC_ARM_REG_PC, arm.UC_ARM_REG_XPSR,
+)  # fmt: skip
+_FLOATS = tuple(arm.UC_ARM_REG_D0 + number for number in range(8))
+
+
+class Processor:
+    """The core with its memories. `chip` has the peripherals: `read`, `write`, `lines`, `reset`."""
+
+    def __init__(self, segments, chip):
+        self.chip = chip
+        self.now = 0
+        self.events = []
+        self.order = 0
+        self.is_polling = False
+        mode = unicorn.UC_MODE_THUMB | unicorn.UC_MODE_MCLASS
+        self.uc = uc = unicorn.Uc(unicorn.UC_ARCH_ARM, mode)
+        uc.ctl_set_cpu_model(arm.UC_CPU_ARM_CORTEX_M7)
+        uc.mem_map(FLASH, FLASH_BYTES, unicorn.UC_PROT_READ | unicorn.UC_PROT_EXEC)
+        for start, length in ((ITCM, ITCM_BYTES), (DTCM, DTCM_BYTES), (AXI, AXI_BYTES)):
+            uc.mem_map(start, length)
+        uc.mem_map(RETURN_PAGE, RETURN_BYTES, unicorn.UC_PROT_READ | unicorn.UC_PROT_EXEC)
+        uc.mmio_map(PERIPHERALS, PERIPHERALS_BYTES, self._read, None, self._write, None)
+        uc.mmio_map(PRIVATE, PRIVATE_BYTES, self._read_private, None, self._write_private, None)
+        for address, data in segments:
+            uc.mem_write(address, data)
+            for place in range(0, len(data) - 1, 2):
+                if data[place : place + 2] == WFI:
+                    at = address + place
+                    uc.hook_add(unicorn.UC_HOOK_CODE, self._sleeps, begin=at, end=at)
+        self.resets = []
+        self.reset_core()
+
+    # Time.
+
+    def at(self, time, act):
+        """Does something at a time, which must not have passed by more than a slice."""
+        self.order += 1
+        heapq.heappush(self.events, (time, self.order, act))
+
+    def after(self, cycles, act):
+        self.at(self.now + cycles, act)
+
+    def poll(self):
+        """A register is read again and again that only the next event can change: time passes."""
+        if self.events:
+            self.now = max(self.now, min(self.events[0][0], self.horizon))
+        self.is_polling = True
+
+    # Reset.
+
+    def reset_core(self):
+        self.private = {}
+        self.enabled = set()
+        self.active = []
+        self.systick_pending = False
+        self.nmi_pending = False
+        self.systick_epoch = getattr(self, "systick_epoch", 0) + 1
+        self.asleep = False
+        self.locked = False
+        self.wants_reset = False
+        stack, entry = struct.unpack("<II", self.uc.mem_read(FLASH, 8))
+        self.uc.reg_write(arm.UC_ARM_REG_PRIMASK, 0)
+        self.uc.reg_write(arm.UC_ARM_REG_SP, stack)
+        self.uc.reg_write(arm.UC_ARM_REG_LR, 0xFFFF_FFFF)
+        self.uc.reg_write(arm.UC_ARM_REG_FPSCR, 0)
+        self.pc = entry & ~1
+
+    def reset(self, cause):
+        """Resets core and chip; memory keeps its content."""
+        self.resets.append((self.now, cause))
+        self.chip.reset(cause)
+        self.reset_core()
+
+    # Registers of the core.
+
+    def _read_private(self, _uc, offset, _size, _data):
+        address = PRIVATE + offset
+        match address:
+            case 0xE000_E018:
+                reload = self.private.get(0xE000_E014, 0) + 1
+                return reload - 1 - self.now % reload
+            case 0xE000_ED00:
+                return 0x411F_C271
+            case 0xE000_ED04:
+                return self.active[-1] if self.active else 0
+            case 0xE000_ED78:
+                return 0x0900_0003
+            case 0xE000_ED80:
+                # Few sets and ways: a cache has no effect here.
+                return 0xF003_E019 & ~0x0FFF_E000
+            case _:
+                return self.private.get(address, 0)
+
+    def _write_private(self, _uc, offset, _size, value, _data):
+        address = PRIVATE + offset
+        if 0xE000_E100 <= address < 0xE000_E120:
+            first = 8 * (address - 0xE000_E100)
+            self.enabled |= {first + bit for bit in range(32) if value >> bit & 1}
+            return
+        if 0xE000_E180 <= address < 0xE000_E1A0:
+            first = 8 * (address - 0xE000_E180)
+            self.enabled -= {first + bit for bit in range(32) if value >> bit & 1}
+            return
+        before = self.private.get(address, 0)
+        self.private[address] = value
+        if address == 0xE000_E010 and value & 1 and not before & 1:
+            self.systick_epoch += 1
+            self._start_systick(self.systick_epoch)
+        elif address == 0xE000_ED0C and value >> 16 == 0x05FA and value & 4:
+            self.wants_reset = True
+            self.uc.emu_stop()
+
+    def _start_systick(self, epoch):
+        self.after(self.private.get(0xE000_E014, 0) + 1, lambda: self._tick(epoch))
+
+    def _tick(self, epoch):
+        if epoch == self.systick_epoch:
+            self.systick_pending |= self.private[0xE000_E010] & 2 != 0
+            self._start_systick(epoch)
+
+    def stop_systick(self):
+        """Lets the source of rounds fail."""
+        self.systick_epoch += 1
+
+    # Peripherals.
+
+    def _read(self, _uc, offset, size, _data):
+        self.now += BUS_CYCLES
+        return self.chip.read(PERIPHERALS + offset, size)
+
+    def _write(self, _uc, offset, size, value, _data):
+        self.now += BUS_CYCLES
+        self.chip.write(PERIPHERALS + offset, size, value)
+
+    # Exceptions.
+
+    def _sleeps(self, *_):
+        self.asleep = True
+
+    def _pending(self):
+        """Returns the number of the exception that is to be taken next, or `None`."""
+        if self.nmi_pending:
+            return NMI
+        lines = self.chip.lines() & self.enabled
+        if lines:
+            return FIRST_INTERRUPT + min(lines)
+        return SYSTICK if self.systick_pending else None
+
+    def _enter(self, number):
+        """Pushes the frame and goes to the handler. A frame that finds no memory locks up."""
+        uc = self.uc
+        uc.reg_write(arm.UC_ARM_REG_PC, self.pc | 1)
+        *core, _, xpsr = uc.reg_read_batch(_PUSHED)
+        floats = uc.reg_read_batch(_FLOATS)
+        stack = uc.reg_read(arm.UC_ARM_REG_SP)
+        frame = (stack - FRAME_BYTES) & ~7
+        if not any(
+            start <= frame and stack <= start + length
+            for start, length in ((DTCM, DTCM_BYTES), (AXI, AXI_BYTES), (ITCM, ITCM_BYTES))
+        ):
+            self.fault(BUS_FAULT, from_stacking=True)
+            return
+        aligned = (stack & 4) << 7
+        pushed = struct.pack(
+            "<8I8QII",
+            *core, self.pc, xpsr & ~0x200 | aligned,
+            *floats, uc.reg_read(arm.UC_ARM_REG_FPSCR), 0,
+        )  # fmt: skip
+        uc.mem_write(frame, pushed)
+        uc.reg_write(arm.UC_ARM_REG_SP, frame)
+        uc.reg_write(arm.UC_ARM_REG_LR, RETURN | 1)
+        # No flag and no rest of a conditional block goes on into the handler.
+        uc.reg_write(arm.UC_ARM_REG_XPSR, 0x0100_0000)
+        table = self.private.get(0xE000_ED08, FLASH)
+        (handler,) = struct.unpack("<I", uc.mem_read(table + 4 * number, 4))
+        self.pc = handler & ~1
+        self.active.append(number)
+        if number == SYSTICK:
+            self.systick_pending = False
+        elif number == NMI:
+            self.nmi_pending = False
+
+    def _leave(self):
+        uc = self.uc
+        frame = uc.reg_read(arm.UC_ARM_REG_SP)
+        words = struct.unpack("<8I8QII", uc.mem_read(frame, FRAME_BYTES))
+        core, (pc, xpsr), floats, fpscr = words[:6], words[6:8], words[8:16], words[16]
+        uc.reg_write_batch(list(zip(_PUSHED[:6], core)) + list(zip(_FLOATS, floats)))
+        uc.reg_write(arm.UC_ARM_REG_FPSCR, fpscr)
+        uc.reg_write(arm.UC_ARM_REG_SP, frame + FRAME_BYTES + (4 if xpsr & 0x200 else 0))
+        uc.reg_write(arm.UC_ARM_REG_XPSR, xpsr & ~0x200)
+        self.pc = pc & ~1
+        self.active.pop()
+
+    def fault(self, status, from_stacking=False):
+        """A fault of an instruction or of the frame of an exception."""
+        self.private[0xE000_ED28] = self.private.get(0xE000_ED28, 0) | status
+        self.private[0xE000_ED2C] = self.private.get(0xE000_ED2C, 0) | FORCED
+        if from_stacking or (self.active and self.active[-1] in (NMI, HARD_FAULT)):
+            self.locked = True
+            self.chip.lock_up()
+        else:
+            self._enter(HARD_FAULT)
+
+    # The run.
+
+    def run(self, until):
+        """Runs to a time, or somewhat beyond."""
+        while self.now < until:
+            while self.events and self.events[0][0] <= self.now:
+                heapq.heappop(self.events)[2]()
+            horizon = min(self.events[0][0], until) if self.events else until
+            self.horizon = horizon
+            if self.locked:
+                self.now = max(self.now, horizon)
+                continue
+            pending = self._pending()
+            if self.asleep:
+                if pending is None:
+                    self.now = max(self.now, horizon)
+                    continue
+                self.asleep = False
+            masked = False
+            if pending is not None and not self.active:
+                masked = pending > HARD_FAULT and self.uc.reg_read(arm.UC_ARM_REG_PRIMASK) & 1
+                if not masked:
+                    self._enter(pending)
+            elif pending == NMI and self.active[-1] > HARD_FAULT:
+                self._enter(NMI)
+            if not self.locked:
+                longest = SLICE_WHILE_POLLED if self.is_polling else SLICE
+                self.is_polling = False
+                if masked:
+                    longest = SLICE_WHILE_MASKED
+                self._slice(max(1, min(longest, horizon - self.now)))
+
+    def _slice(self, instructions):
+        uc = self.uc
+        try:
+            uc.emu_start(self.pc | 1, RETURN, count=instructions)
+        except unicorn.UcError as error:
+            self.pc = uc.reg_read(arm.UC_ARM_REG_PC) & ~1
+            self.now += instructions // 2
+            if self.pc == RETURN:
+                # Unicorn leaves returns from exceptions to its user.
+                self._leave()
+                return
+            is_code = error.errno in (unicorn.UC_ERR_INSN_INVALID, unicorn.UC_ERR_EXCEPTION)
+            self.fault(UNDEFINED if is_code else BUS_FAULT)
+            return
+        self.now += instructions // 2 if self.asleep else instructions
+        self.pc = uc.reg_read(arm.UC_ARM_REG_PC) & ~1
+        if self.wants_reset:
+            self.reset("software")

@@ -1,0 +1,79 @@
+"""What the tests share: the image, `host-sim`, boards, and ways to make the image go wrong."""
+
+import csv
+import json
+import pathlib
+import struct
+import tempfile
+
+from unicorn import arm_const as arm
+
+from board import CYCLES_PER_S, Board
+from link import Link
+from processor import ITCM
+
+HERE = pathlib.Path(__file__).parent
+CAMERA = HERE.parents[1] / "host-sim/scenarios/cameras/mission.toml"
+SETTINGS = HERE / "flight.toml"
+MS = CYCLES_PER_S // 1000
+
+# Instructions that the main loop goes astray to: a loop, a stack that grows for ever, and one that
+# does not exist.
+HANGS = struct.pack("<H", 0xE7FE)
+OVERFLOWS = struct.pack("<HH", 0xB4FF, 0xE7FD)
+UNDEFINED = struct.pack("<H", 0xDE00)
+BOOT_S = 0.02
+
+
+class Flight:
+    """A board under `host-sim`."""
+
+    def __init__(self, image, host_sim, **bench):
+        self.host_sim = host_sim
+        self.board = Board(image, **bench)
+        self.board.open_port()
+        self.board.run(BOOT_S)
+
+    def camera(self, *action, code=0):
+        device = f"serial:{self.board.path}"
+        return self.board.client(self.host_sim, "camera", "--device", device, *action, code=code)
+
+    def prepare(self, settings=SETTINGS):
+        self.camera("prepare", "--camera", CAMERA, "--settings", settings)
+
+    def arm(self, settings=SETTINGS):
+        """Prepares and arms; without V/H the stage stands under force."""
+        self.prepare(settings)
+        self.camera("referenced")
+        self.camera("arm")
+
+    def status(self):
+        return json.loads(self.camera("status", "--json"))
+
+    def records(self):
+        """Fetches the records, as `host-sim records` writes them."""
+        with tempfile.TemporaryDirectory() as folder:
+            out = pathlib.Path(folder) / "out"
+            device = f"serial:{self.board.path}"
+            self.board.client(self.host_sim, "records", "--device", device, "--out", out)
+            with (out / "records.csv").open(newline="") as file:
+                return list(csv.DictReader(file))
+
+
+def astray(board, code):
+    """Lets the main loop go on with this code, interrupts allowed, once no interrupt is served."""
+    while board.processor.active:
+        board.processor.run(board.now + 1)
+    processor = board.processor
+    processor.uc.mem_write(ITCM + 0x100, code)
+    processor.uc.ctl_remove_cache(ITCM + 0x100, ITCM + 0x200)
+    processor.uc.reg_write(arm.UC_ARM_REG_PRIMASK, 0)
+    processor.uc.reg_write(arm.UC_ARM_REG_XPSR, 0x0100_0000)
+    processor.asleep = False
+    processor.pc = ITCM + 0x100
+
+
+def start_reason(board):
+    """Returns the reason of the last start, as the link tells it, and the red light."""
+    board.run(BOOT_S)
+    return Link(board).cause, board.chip.pins.is_high("PB14")

@@ -1,0 +1,153 @@
+"""Timers of the model: a counter with captures, a compare output, an encoder or a pulse width."""
+
+from processor import CYCLES_PER_US
+
+CR1, SMCR, DIER, SR, EGR, CCMR1, CCER, CNT, PSC, ARR, CCR1, BDTR = (
+    0x00, 0x08, 0x0C, 0x10, 0x14, 0x18, 0x20, 0x24, 0x28, 0x2C, 0x34, 0x44,
+)  # fmt: skip
+ENABLED = 1
+ENCODER_MODE_3 = 3
+MAIN_OUTPUT = 1 << 15
+# Cycles of the processor per cycle of the timers' clock, 200 MHz.
+TIMER_CYCLES = CYCLES_PER_US // 200
+# Filter values of the captures, by number: samples at the timer's clock.
+FILTER_SAMPLES = {0: 1, 1: 2, 2: 4, 3: 8}
+
+
+class Timer:
+    """A timer that counts up. The time of its events is that of the model, not that of a slice."""
+
+    def __init__(self, processor, base, bits=32):
+        self.processor = processor
+        self.base = base
+        self.top = (1 << bits) - 1
+        self.reset()
+
+    def reset(self):
+        self.registers = {ARR: self.top}
+        self.prescaler = 1
+        self.start_count = 0
+        self.start_time = 0
+        self.status = 0
+        self.epoch = getattr(self, "epoch", 0) + 1
+
+    @property
+    def runs(self):
+        return self.registers.get(CR1, 0) & ENABLED
+
+    def count(self, time):
+        """Returns the counter at a time."""
+        if not self.runs:
+            return self.start_count
+        ticks = (time - self.start_time) // (TIMER_CYCLES * self.prescaler)
+        return (self.start_count + ticks) % (self.registers[ARR] + 1)
+
+    def set_count(self, count):
+        self.start_count = count & self.top
+        # The prescaler's phase is kept, as the hardware keeps it.
+        period = TIMER_CYCLES * self.prescaler
+        now = self.processor.now
+        self.start_time = now - (now - self.start_time) % period if self.runs else now
+
+    def read(self, offset):
+        if offset == CNT:
+            return self.count(self.processor.now)
+        if offset == SR:
+            return self.status
+        if CCR1 <= offset < CCR1 + 16:
+            channel = (offset - CCR1) // 4
+            if self.is_input(channel):
+                self.status &= ~(2 << channel)
+        return self.registers.get(offset, 0)
+
+    def write(self, offset, value):
+        now = self.processor.now
+        if offset == CNT:
+            self.set_count(value)
+        elif offset == SR:
+            self.status &= value
+        elif offset == EGR:
+            if value & 1:
+                self.prescaler = self.registers.get(PSC, 0) + 1
+                self.start_count, self.start_time = 0, now
+            self.status |= value & 0x1E
+        elif offset == CR1:
+            count = self.count(now)
+            self.registers[CR1] = value
+            self.start_count, self.start_time = count, now
+        else:
+            self.registers[offset] = value
+        if offset in (CNT, EGR, CR1, DIER) or CCR1 <= offset < CCR1 + 16:
+            self.epoch += 1
+            for channel in range(4):
+                self._plan(channel)
+
+    def line(self):
+        """Returns true while the timer asks for its interrupt."""
+        return self.status & self.registers.get(DIER, 0) & 0x1F
+
+    def is_input(self, channel):
+        mode = self.registers.get(CCMR1 + 4 * (channel // 2), 0) >> 8 * (channel % 2)
+        return mode & 3 == 1
+
+    def filter_samples(self, channel):
+        mode = self.registers.get(CCMR1 + 4 * (channel // 2), 0) >> 8 * (channel % 2)
+        return FILTER_SAMPLES[mode >> 4 & 0xF]
+
+    def capture(self, channel, count):
+        """Latches a count. A latch that nobody has read is overwritten, which the status says."""
+        if not self.is_input(channel) or not self.registers.get(CCER, 0) >> 4 * channel & 1:
+            return
+        if self.status >> channel & 2:
+            self.status |= 0x200 << channel
+        self.status |= 2 << channel
+        self.registers[CCR1 + 4 * channel] = count
+
+    def _plan(self, channel):
+        """Plans the next match of a channel that compares, if anybody asks to be told."""
+        is_asked = self.registers.get(DIER, 0) >> channel & 2
+        if self.is_input(channel) or not self.runs or not is_asked:
+            return
+        now, period = self.processor.now, TIMER_CYCLES * self.prescaler
+        ahead = (self.registers.get(CCR1 + 4 * channel, 0) - self.count(now)) % (
+            self.registers[ARR] + 1
+        ) or self.registers[ARR] + 1
+        phase = (now - self.start_time) % period
+        epoch = self.epoch
+        self.processor.at(now + ahead * period - phase, lambda: self._match(channel, epoch))
+
+    def _match(self, channel, epoch):
+        if epoch == self.epoch:
+            self.status |= 2 << channel
+            self._plan(channel)
+
+
+class EncoderTimer(Timer):
+    """A timer that counts the edges of two tracks."""
+
+    def __init__(self, processor, base, tracks):
+        self.tracks = tracks
+        super().__init__(processor, base, bits=16)
+
+    def reset(self):
+        super().reset()
+        self.zero = 0
+
+    def count(self, time):
+        if not self.runs or self.registers.get(SMCR, 0) & 7 != ENCODER_MODE_3:
+            return self.start_count
+        return (self.tracks(time) - self.zero) & 0xFFFF
+
+    def read(self, offset):
+        # What the tracks have done by now may have latched.
+        self.tracks(self.processor.now)
+        return super().read(offset)
+
+    def _plan(self, channel):
+        """Plans nothing: it counts tracks, not time."""
+
+    def write(self, offset, value):
+        super().write(offset, value)
+        if offset in (CNT, CR1, EGR):
+            # It counts from what it held when it began.
+            self.zero = self.tracks(self.processor.now) - self.start_count
