@@ -35,6 +35,8 @@ pub mod shutter_output;
 mod slope;
 pub mod smear_prediction;
 pub mod stage;
+mod stage_rest;
+mod stage_tolerance;
 pub mod stage_track;
 mod stage_watch;
 pub mod time;

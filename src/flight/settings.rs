@@ -4,7 +4,7 @@ use super::controller::timing::TICK_S;
 use super::drive::settings::DriveSettings;
 use super::exposure::FlightDirection;
 use super::index_watch::IndexSides;
-use super::stage_watch::StageTolerance;
+use super::stage_tolerance::StageTolerance;
 use super::vh::settings::VhSettings;
 use crate::geometry::range::{OutOfRange, Quantity};
 
@@ -27,7 +27,8 @@ pub const FRICTION_ROUNDS: f32 = 6.0;
 pub const ISOLATED: f32 = 1.5;
 
 /// Part of the play that a step may stand out alone where a screw comes to push a stage with the
-/// encoder on it: the screw has gained speed while the stage stood, and loses it as it pushes.
+/// encoder on it, one that has stood or that a screw which slows down has lost: the screw has
+/// gained speed in between, and loses it as it pushes.
 pub const CONTACT_PART: f32 = 0.25;
 
 /// Distance from the index mark at which a way across it begins and ends, and from the waiting
@@ -156,7 +157,11 @@ impl FlightSettings {
             following_mm: self.following_mm(),
             jump_mm: 1e-3 * self.jump_tolerance_um.max(JUMP_STEPS * step_um),
             slip_mm: FRICTION_ROUNDS * friction_mm + play_mm,
-            isolated_mm: ISOLATED * isolated_mm + CONTACT_PART * play_mm,
+            isolated_mm: ISOLATED * isolated_mm,
+            contact_mm: CONTACT_PART * play_mm,
+            play_mm,
+            rest_band_mm: 1e-3 * drive.velocity_loop.rest_band_um,
+            step_mm: 1e-3 * step_um,
         }
     }
 }

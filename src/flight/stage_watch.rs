@@ -4,37 +4,8 @@ use super::controller::timing::LATE_TICK_S;
 use super::drive::StageReading;
 use super::fault::Fault;
 use super::stage::Setpoint;
-
-/// Part of a persistent jump that the drive may have made good by the next reading.
-const MADE_GOOD: f32 = 0.5;
-
-/// Factor by which a step may be larger while the stage accelerates or is released.
-const ACCELERATING: f32 = 4.0;
-
-/// Tolerances of the stage.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct StageTolerance {
-    /// Largest difference between set point and reading, mm.
-    pub(crate) following_mm: f32,
-    /// Largest difference between the steps of a reading and of its set point since the last ones,
-    /// at constant speed, mm.
-    pub(crate) jump_mm: f32,
-    /// Distance by which friction and play move a stage off its set point from one reading to the
-    /// next, mm.
-    pub(crate) slip_mm: f32,
-    /// Largest part of a step beyond its set point's that neither the step before nor the next one
-    /// shares, mm: more is not motion of a mass.
-    pub(crate) isolated_mm: f32,
-}
-
-impl StageTolerance {
-    /// Returns the largest number of counts, mm, whose loss in one step may pass as motion of the
-    /// stage: the largest step while it accelerates, with what the drive makes good of it until the
-    /// next reading.
-    pub(crate) fn unseen_mm(&self) -> f32 {
-        (1.0 + MADE_GOOD) * (self.slip_mm + ACCELERATING * self.jump_mm)
-    }
-}
+use super::stage_rest::{Pace, StageRest, TrustedReading};
+use super::stage_tolerance::{ACCELERATING, MADE_GOOD, StageTolerance};
 
 /// Verdict on a reading.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -61,7 +32,8 @@ pub(crate) enum ReadingVerdict {
 ///
 /// A stage is a mass: what moves it in one round moves it in the next, too, unless a force stops
 /// it. The accelerations that motor, friction and contact with the screw give it bound a step that
-/// stands alone between two rounds, whatever the play that lets the stage leave its set point.
+/// stands alone between two rounds, whatever the play that lets the stage leave its set point;
+/// [`StageRest`] tells where a screw may come to push it.
 ///
 /// Motion is at fault if it is off its set point by more than `following_mm`: if the stage should
 /// move, [`Fault::WrongDirection`] if it moves the other way, [`Fault::Runaway`] if it is ahead,
@@ -78,6 +50,7 @@ pub(crate) struct StageWatch {
     /// before.
     step_mm: Option<f32>,
     suspicion: Option<Suspicion>,
+    rest: StageRest,
 }
 
 /// A step on which the next one decides.
@@ -98,7 +71,14 @@ impl StageWatch {
             last: None,
             step_mm: None,
             suspicion: None,
+            rest: StageRest::new(),
         }
+    }
+
+    /// Returns how far the reading has gone while the stage stood, before its last motion or now,
+    /// mm: as far its place may be wrong.
+    pub(crate) const fn off_at_rest_mm(&self) -> f32 {
+        self.rest.off_mm()
     }
 
     /// Judges a reading against the set point of its time. A released stage has no set point
@@ -117,48 +97,85 @@ impl StageWatch {
             return verdict_of_motion(reading, setpoint, 0.0, tolerance);
         };
         let moved_mm = reading.offset_mm - last.offset_mm;
-        let step_mm = moved_mm - (told_mm - last_told_mm);
-        let is_steady = setpoint.is_some_and(|setpoint| setpoint.acceleration_mm_s2 == 0.0);
-        let jump_mm =
-            tolerance.slip_mm + tolerance.jump_mm * if is_steady { 1.0 } else { ACCELERATING };
+        let told_step_mm = told_mm - last_told_mm;
+        let step_mm = moved_mm - told_step_mm;
         let is_next = reading.time.seconds_since(last.time) <= LATE_TICK_S;
         let before_mm = core::mem::replace(&mut self.step_mm, is_next.then_some(step_mm))
             .filter(|_| is_next && setpoint.is_some());
-        if let Some(suspicion) = self.suspicion.take() {
-            let size_mm = libm::fabsf(suspicion.step_mm);
-            if libm::fabsf(suspicion.step_mm + step_mm) <= jump_mm.min(MADE_GOOD * size_mm) {
-                return ReadingVerdict::Glitch;
-            }
-            if libm::fabsf(step_mm) <= suspicion.follows_mm || step_mm * suspicion.step_mm < 0.0 {
-                return ReadingVerdict::Fault(Fault::Encoder);
-            }
-        } else if let Some(follows_mm) = follows_mm(step_mm, before_mm, jump_mm, tolerance) {
-            self.suspicion = Some(Suspicion {
+        let pace = Pace::of(setpoint, told_step_mm);
+        let step = Step {
+            step_mm,
+            before_mm,
+            jump_mm: jump_mm(setpoint, tolerance),
+            isolated_mm: self.rest.isolated_mm(pace, tolerance),
+        };
+        let verdict = match self.verdict_of_step(&step) {
+            Some(verdict) => verdict,
+            None => verdict_of_motion(reading, setpoint, moved_mm, tolerance),
+        };
+        if verdict != ReadingVerdict::Suspicious {
+            let trusted = TrustedReading {
+                offset_mm: reading.offset_mm,
+                moved_mm,
+                error_mm: reading.offset_mm - told_mm,
+                pace,
+            };
+            self.rest.note(&trusted, tolerance);
+        }
+        verdict
+    }
+
+    /// Judges a step by those before it; `None` if it is motion of the stage.
+    fn verdict_of_step(&mut self, step: &Step) -> Option<ReadingVerdict> {
+        let step_mm = step.step_mm;
+        let Some(suspicion) = self.suspicion.take() else {
+            self.suspicion = step.follows_mm().map(|follows_mm| Suspicion {
                 step_mm,
                 follows_mm,
             });
-            return ReadingVerdict::Suspicious;
+            return self.suspicion.map(|_| ReadingVerdict::Suspicious);
+        };
+        let size_mm = libm::fabsf(suspicion.step_mm);
+        if libm::fabsf(suspicion.step_mm + step_mm) <= step.jump_mm.min(MADE_GOOD * size_mm) {
+            return Some(ReadingVerdict::Glitch);
         }
-        verdict_of_motion(reading, setpoint, moved_mm, tolerance)
+        let is_lost =
+            libm::fabsf(step_mm) <= suspicion.follows_mm || step_mm * suspicion.step_mm < 0.0;
+        is_lost.then_some(ReadingVerdict::Fault(Fault::Encoder))
     }
 }
 
-/// Returns the largest next step in the direction of a suspicious one after which counts have been
-/// lost or added, mm; `None` if the step is not suspicious.
-fn follows_mm(
+/// Returns the largest step beyond its set point's that may be motion of the stage, mm.
+fn jump_mm(setpoint: Option<Setpoint>, tolerance: &StageTolerance) -> f32 {
+    let is_steady = setpoint.is_some_and(|setpoint| setpoint.acceleration_mm_s2 == 0.0);
+    tolerance.slip_mm + tolerance.jump_mm * if is_steady { 1.0 } else { ACCELERATING }
+}
+
+/// A step of the stage beyond that of its set point, and what bounds it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Step {
     step_mm: f32,
+    /// The step before, mm, if it came a round before.
     before_mm: Option<f32>,
+    /// Largest step that may be motion, mm.
     jump_mm: f32,
-    tolerance: &StageTolerance,
-) -> Option<f32> {
-    let size_mm = libm::fabsf(step_mm);
-    let made_good_mm = MADE_GOOD * size_mm;
-    if size_mm > jump_mm {
-        return Some(made_good_mm);
+    /// Largest step that stands alone, mm.
+    isolated_mm: f32,
+}
+
+impl Step {
+    /// Returns the largest next step in the same direction after which counts have been lost or
+    /// added, mm; `None` if the step is not suspicious.
+    fn follows_mm(&self) -> Option<f32> {
+        let size_mm = libm::fabsf(self.step_mm);
+        let made_good_mm = MADE_GOOD * size_mm;
+        if size_mm > self.jump_mm {
+            return Some(made_good_mm);
+        }
+        let isolated_mm = size_mm - self.isolated_mm;
+        let shared_mm = libm::copysignf(1.0, self.step_mm) * self.before_mm?;
+        (isolated_mm > shared_mm.max(0.0)).then_some(made_good_mm.min(isolated_mm))
     }
-    let isolated_mm = size_mm - tolerance.isolated_mm;
-    let shared_mm = libm::copysignf(1.0, step_mm) * before_mm?;
-    (isolated_mm > shared_mm.max(0.0)).then_some(made_good_mm.min(isolated_mm))
 }
 
 /// Judges the position of the stage, and its motion since the last reading.
@@ -202,6 +219,10 @@ mod tests {
         jump_mm: 0.001,
         slip_mm: 0.0,
         isolated_mm: 0.001,
+        contact_mm: 0.0,
+        play_mm: 0.0,
+        rest_band_mm: 0.002,
+        step_mm: 0.0001,
     };
     const SPEED_MM_S: f32 = 5.0;
 
@@ -306,11 +327,15 @@ mod tests {
         following_mm: 0.0215,
         jump_mm: 0.001,
         slip_mm: 0.0144,
-        isolated_mm: 0.0055,
+        isolated_mm: 0.0028,
+        contact_mm: 0.0027,
+        play_mm: 0.0108,
+        rest_band_mm: 0.002,
+        step_mm: 0.0001,
     };
 
     /// First fault of a stage at 5 mm/s from the steps of its reading beyond that, µm.
-    fn fault_of_steps(steps_um: &[f32]) -> Option<(usize, Fault)> {
+    fn fault_of_steps(acceleration_mm_s2: f32, steps_um: &[f32]) -> Option<(usize, Fault)> {
         let mut watch = StageWatch::new();
         let mut found = std::vec::Vec::new();
         let mut offset_mm = 0.0;
@@ -318,7 +343,7 @@ mod tests {
             let setpoint = Setpoint {
                 offset_mm: 1e-3 * SPEED_MM_S * f32::from(tick),
                 speed_mm_s: SPEED_MM_S,
-                acceleration_mm_s2: 546.0,
+                acceleration_mm_s2,
             };
             offset_mm += 1e-3 * (step_um + if tick > 0 { SPEED_MM_S } else { 0.0 });
             let time = Time::from_us(1000 * u64::from(tick));
@@ -331,18 +356,65 @@ mod tests {
     #[test]
     fn step_that_stands_alone_is_no_motion_however_large_the_play() {
         for sign in [1.0, -1.0] {
-            let fault_of = |steps_um: [f32; 6]| fault_of_steps(&steps_um.map(|it| sign * it));
+            let fault_of = |acceleration_mm_s2, steps_um: [f32; 6]| {
+                fault_of_steps(acceleration_mm_s2, &steps_um.map(|it| sign * it))
+            };
             let counts_lost = Some((4, Fault::Encoder));
+            let (slowing, faster) = (-546.0, 546.0);
             // The drive takes a tenth of it back in the next round.
-            assert_eq!(fault_of([0.0, 0.1, -0.1, 14.8, -1.8, -1.8]), counts_lost);
-            assert_eq!(fault_of([0.0, 0.1, -0.1, 5.7, 0.1, -0.5]), counts_lost);
-            assert_eq!(fault_of([0.0, 0.1, -0.1, 5.3, -0.5, -0.5]), None);
+            for pace in [slowing, faster] {
+                assert_eq!(
+                    fault_of(pace, [0.0, 0.1, -0.1, 14.8, -1.8, -1.8]),
+                    counts_lost
+                );
+            }
+            assert_eq!(
+                fault_of(slowing, [0.0, 0.1, -0.1, 5.7, 0.1, -0.5]),
+                counts_lost
+            );
+            assert_eq!(fault_of(slowing, [0.0, 0.1, -0.1, 5.3, -0.5, -0.5]), None);
+            // A stage that is pushed on leaves its screw nowhere.
+            assert_eq!(
+                fault_of(faster, [0.0, 0.1, -0.1, 3.1, 0.1, -0.1]),
+                counts_lost
+            );
+            assert_eq!(fault_of(faster, [0.0, 0.1, -0.1, 2.7, -0.5, -0.5]), None);
             // A step that the rounds beside share is motion: the stage stands in the play, and its
             // screw catches it.
-            assert_eq!(fault_of([0.0, -5.0, -5.0, 4.0, 6.0, 3.0]), None);
-            assert_eq!(fault_of([0.0, 3.0, 6.0, 8.0, 2.0, -1.0]), None);
-            assert_eq!(fault_of([0.0, 0.0, -5.0, -8.0, -3.0, 2.0]), None);
+            for steps_um in [
+                [0.0, -5.0, -5.0, 4.0, 6.0, 3.0],
+                [0.0, 3.0, 6.0, 8.0, 2.0, -1.0],
+                [0.0, 0.0, -5.0, -8.0, -3.0, 2.0],
+            ] {
+                assert_eq!(fault_of(slowing, steps_um), None, "{steps_um:?}");
+            }
         }
+        // A screw comes to a stage that has stood at 5.2 µm a round beyond the set point's speed.
+        let to_one_that_stood = fault_of_steps(546.0, &[0.0, -5.0, -5.0, 5.2, 0.0, 0.0]);
+        assert_eq!(to_one_that_stood, None);
+        let to_one_that_it_pushes = fault_of_steps(546.0, &[0.0, -1.0, -1.0, 5.2, 0.0, 0.0]);
+        assert_eq!(to_one_that_it_pushes, Some((4, Fault::Encoder)));
+    }
+
+    /// First fault of a stage whose reading steps by 3.5 µm and stays after so many rounds at rest.
+    fn fault_after_rest(rounds: u64) -> Option<Fault> {
+        let mut watch = StageWatch::new();
+        let readings = (0..rounds + 6).map(|round| {
+            let offset_mm = if round > rounds { 0.0035 } else { 0.0 };
+            let time = Time::from_us(1000 * round);
+            let reading = StageReading { time, offset_mm };
+            watch.look(reading, Some(Setpoint::default()), &WITH_PLAY)
+        });
+        let found: std::vec::Vec<_> = readings.collect();
+        first_fault(&found).map(|(_, fault)| fault)
+    }
+
+    #[test]
+    fn step_of_a_stage_that_has_stood_is_counts_that_are_lost_whatever_the_play() {
+        // 1 µm and a part of 10.8 µm of play: its screw may still come.
+        assert_eq!(fault_after_rest(3), None);
+        assert_eq!(fault_after_rest(10), Some(Fault::Encoder));
+        assert_eq!(fault_after_rest(1000), Some(Fault::Encoder));
     }
 
     #[test]

@@ -24,6 +24,15 @@ fn counts_lost_for_a_while_within_the_play_are_not_silent() {
     assert_eq!(glitch.silent, [] as [u32; 0]);
 }
 
+/// A glitch of 2.8 µm that begins while the stage stands and ends after the exposure is no screw
+/// that comes to a stage with 15.2 µm of play: nothing has driven it for a while.
+#[test]
+fn counts_lost_at_rest_within_the_play_are_not_silent() {
+    let glitch = fly(62, 2, 975);
+    assert!(glitch.setup.play_um > 10.0, "{:?}", glitch.setup);
+    assert_eq!(glitch.silent, [] as [u32; 0]);
+}
+
 /// Stages with the encoder on them and more than 9 µm of play: the screw takes the play up before
 /// the trigger, and the stage is at speed when the shutter is to open. Without that way all
 /// triggers of these missions were refused.

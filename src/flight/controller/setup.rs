@@ -12,7 +12,7 @@ use crate::flight::smear_prediction::{
     AircraftMotion, Compensation, PredictedSmear, SmearPrediction,
 };
 use crate::flight::stage::{PlanError, Setpoint, Travel};
-use crate::flight::stage_watch::StageTolerance;
+use crate::flight::stage_tolerance::StageTolerance;
 use crate::flight::vh::{VhEstimate, VhSource};
 use crate::geometry::principal_point::{PrincipalPointMotion, UniformTravel};
 use crate::geometry::range::Quantity;

@@ -39,6 +39,14 @@ pub const SHUTTER_GIVEN_UP_S: f32 = 0.05;
 /// Time for which a released stage must have stood still to count as standing, s.
 pub const STANDING_S: f32 = 0.05;
 
+/// Rounds of the stage at rest, under force, from which on a step of its reading is bounded by the
+/// play that an undriven screw may pass in as many.
+pub const SETTLED_ROUNDS: u8 = 4;
+
+/// Rounds of the stage at rest, under force, after which its place is remembered: σ holds how far
+/// its reading goes from there.
+pub const REMEMBERED_ROUNDS: u8 = 20;
+
 /// Time for which the last light waits for a reading of the stage, s.
 pub const READING_WITHIN_S: f32 = 0.003;
 

@@ -12,7 +12,7 @@ const TICK_S: f32 = 1e-3;
 const SHORTEST_TICK_S: f32 = 2e-4;
 
 /// Error of speed below which a stage inside the rest band is at rest, mm/s.
-const REST_SPEED_MM_S: f32 = 1.0;
+pub(crate) const REST_SPEED_MM_S: f32 = 1.0;
 
 /// Following error beyond which learning stops, mm: something else is wrong then.
 const LEARNING_ERROR_MM: f32 = 0.05;
@@ -102,8 +102,7 @@ impl VelocityLoop {
             }
             _ => self.slope_mm_s = 0.0,
         }
-        let at_rest = setpoint.speed_mm_s.abs() + setpoint.acceleration_mm_s2.abs() <= 0.0
-            && lead.speed_mm_s.abs() <= STANDING_MM_S;
+        let at_rest = setpoint.is_at_rest() && lead.speed_mm_s.abs() <= STANDING_MM_S;
         if self.rests(at_rest, error_mm) {
             self.integral = 0.0;
             return 0.0;

@@ -14,6 +14,11 @@ pub struct Setpoint {
 }
 
 impl Setpoint {
+    /// Returns `true` if neither speed nor acceleration is asked for.
+    pub(crate) fn is_at_rest(&self) -> bool {
+        libm::fabsf(self.speed_mm_s) + libm::fabsf(self.acceleration_mm_s2) <= 0.0
+    }
+
     /// Returns `true` if all components are finite.
     pub(super) const fn is_finite(&self) -> bool {
         self.offset_mm.is_finite()

@@ -4,8 +4,8 @@ use fmc_camera::flight::control_loop::MAX_EVENTS;
 use fmc_camera::flight::controller::timing::{
     ATTITUDE_WITHIN_S, CLOCK_JUMP_S, EXERCISE_REACH, EXERCISE_WAYS, LATE_EVENT_S, LATE_TICK_S,
     LEAD_S, LONGEST_GAP, OVERLOAD_ROUNDS, OVERLOAD_WINDOW_S, READING_GAP_PART, READING_GAP_S,
-    READING_WITHIN_S, READINGS_CEASE_S, SHUTTER_GIVEN_UP_S, SHUTTER_MISSING_S, STAMP_SIGMA_S,
-    STANDING_S, TICK_S, UNLEARNED_TOLERANCE,
+    READING_WITHIN_S, READINGS_CEASE_S, REMEMBERED_ROUNDS, SETTLED_ROUNDS, SHUTTER_GIVEN_UP_S,
+    SHUTTER_MISSING_S, STAMP_SIGMA_S, STANDING_S, TICK_S, UNLEARNED_TOLERANCE,
 };
 use fmc_camera::flight::record_log::CAPACITY;
 use fmc_camera::flight::round_guard::LONGEST_ROUND_US;
@@ -30,6 +30,8 @@ fn documented_constants_are_those_of_the_code() {
         ("SHUTTER_MISSING_S", SHUTTER_MISSING_S.to_string()),
         ("SHUTTER_GIVEN_UP_S", SHUTTER_GIVEN_UP_S.to_string()),
         ("STANDING_S", STANDING_S.to_string()),
+        ("SETTLED_ROUNDS", SETTLED_ROUNDS.to_string()),
+        ("REMEMBERED_ROUNDS", REMEMBERED_ROUNDS.to_string()),
         ("READING_WITHIN_S", READING_WITHIN_S.to_string()),
         ("STAMP_SIGMA_S", STAMP_SIGMA_S.to_string()),
         ("ATTITUDE_WITHIN_S", ATTITUDE_WITHIN_S.to_string()),

@@ -89,7 +89,8 @@ impl StageMachine {
 /// from one to the next are wrong independently. The phase of the steps to the calibrated position
 /// is the same for all frames, as are σ of the zero `σ_0`, of the scale s, of the readings' age
 /// `σ_a` and of the play `σ_p`. `σ_t` is [`STAMP_SIGMA_S`]. Counts that may be lost unseen are
-/// added by [`IndexWatch`](crate::flight::index_watch::IndexWatch), with the record.
+/// added by [`IndexWatch`](crate::flight::index_watch::IndexWatch), with the record, and readings
+/// that have moved at rest by [`StageRest`](crate::flight::stage_rest::StageRest).
 fn sigma_of_readings(
     drive: &DriveSettings,
     motion: &PrincipalPointMotion,
