@@ -2,7 +2,6 @@
 
 use nalgebra::{DMatrix, SymmetricEigen};
 
-use crate::exterior_orientation::ELEMENT_NAMES;
 use crate::linear::bordered_factor::Singular;
 use crate::linear::element::element;
 use crate::linear::weakest_direction::WeakestDirection;
@@ -28,6 +27,17 @@ const LEAST_SHARED_EIGENVALUE: f64 = 1e-6;
 
 /// Unknowns with more than this share of the largest in the weakest combination are named.
 const NAMED_SHARE: f64 = 0.3;
+
+/// Unknowns of an image: the projection centre, and the rotation vector about the ground axes, which
+/// is neither pitch nor roll of an image that is not flown northwards ([`super::pose::Pose`]).
+const POSE_NAMES: [&str; 6] = [
+    "X_S",
+    "Y_S",
+    "Z_S",
+    "rotation about X",
+    "rotation about Y",
+    "rotation about Z",
+];
 
 /// Most images whose elements are named.
 const MOST_NAMED: usize = 3;
@@ -151,7 +161,7 @@ pub fn names(network: &Network, layout: &Layout, components: &[f64]) -> Vec<Stri
         .collect();
     // One element of several images together is named once.
     let mut elements: Vec<(f64, String)> = Vec::new();
-    for (index, element) in ELEMENT_NAMES.iter().enumerate() {
+    for (index, element) in POSE_NAMES.iter().enumerate() {
         let of_images = || {
             images
                 .iter()
