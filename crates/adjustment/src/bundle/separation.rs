@@ -189,3 +189,60 @@ pub fn names(network: &Network, layout: &Layout, components: &[f64]) -> Vec<Stri
     names.extend(elements.into_iter().map(|(_, name)| name));
     names
 }
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::FRAC_PI_2;
+
+    use nalgebra::Vector6;
+
+    use super::*;
+    use crate::bundle::image::NetworkImage;
+    use crate::bundle::interior::Interior;
+    use crate::bundle::parameters::SharedValues;
+    use crate::bundle::pose::Pose;
+    use crate::exterior_orientation::ExteriorOrientation;
+
+    #[test]
+    fn rotation_of_an_image_is_named_by_the_axis_of_the_ground_about_which_it_turns() {
+        // Flown westwards: a rotation about the ground's X is one about the camera's y, its roll.
+        let pose = Pose::from(ExteriorOrientation {
+            position_m: [0.0, 0.0, 100.0],
+            attitude: [0.0, 0.0, FRAC_PI_2],
+        });
+        let mut step = Vector6::zeros();
+        step[3] = 1e-3;
+        let [pitch, roll, _] = pose.moved(&step).orientation().attitude;
+        assert!(pitch.abs() < 1e-6 && (roll.abs() - 1e-3).abs() < 1e-6);
+        let network = Network {
+            images: vec![NetworkImage {
+                name: "west".to_owned(),
+                pose,
+                observed: None,
+                stage: None,
+            }],
+            points: Vec::new(),
+            image_points: Vec::new(),
+            additional: Vec::new(),
+            scale_bars: Vec::new(),
+            strips: Vec::new(),
+            parameters: SharedValues::new(
+                Interior {
+                    principal_distance_mm: 50.0,
+                    principal_point_mm: [0.0; 2],
+                    k: [0.0; 4],
+                    p: [0.0; 2],
+                    b: [0.0; 2],
+                },
+                0,
+            ),
+            estimated: Vec::new(),
+            priors: Vec::new(),
+        };
+        let layout = Layout::new(&network).unwrap();
+        assert_eq!(
+            names(&network, &layout, step.as_slice()),
+            ["rotation about X of image west"]
+        );
+    }
+}
