@@ -13,11 +13,11 @@ use crate::uncertainty::Uncertainty;
 pub struct Stated<'a> {
     /// Pixel pitch, mm.
     pub pixel_mm: Option<f64>,
-    /// What states the pitch, for messages: an option, or a camera file; may be empty.
+    /// Option or file that states the pitch, for messages; may be empty.
     pub pixel_from: &'a str,
     /// Columns and rows, px.
     pub size_px: Option<[u32; 2]>,
-    /// What states columns and rows, for messages; may be empty.
+    /// Option or file that states columns and rows, for messages; may be empty.
     pub size_from: &'a str,
     /// Name of one camera of several.
     pub id: Option<&'a str>,

@@ -28,8 +28,8 @@ const LEAST_SHARED_EIGENVALUE: f64 = 1e-6;
 /// Unknowns with more than this share of the largest in the weakest combination are named.
 const NAMED_SHARE: f64 = 0.3;
 
-/// Unknowns of an image: the projection centre, and the rotation vector about the ground axes, which
-/// is neither pitch nor roll of an image that is not flown northwards ([`super::pose::Pose`]).
+/// Unknowns of an image: projection centre, and rotation vector about the ground axes
+/// ([`super::pose::Pose`]), neither pitch nor roll of an image that is not flown northwards.
 const POSE_NAMES: [&str; 6] = [
     "X_S",
     "Y_S",
