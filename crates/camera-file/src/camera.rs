@@ -26,6 +26,7 @@ use crate::tables::{
     DistortionTable, FittedTable, FmcTable, GridTable, MechanismName, Profile, SensorTable,
     ShutterTable, pair,
 };
+use crate::text_file;
 use crate::toml_text::TomlText;
 
 /// A camera file as written. Units are in the names of the fields, which are those of the file.
@@ -65,7 +66,7 @@ impl CameraFile {
     /// [`InputError`] naming file, line, field, value and allowed range; also for a file with
     /// `[grid]`, without which its camera would correct otherwise.
     pub fn read(path: &Path) -> Result<(Self, Camera), InputError> {
-        Self::parse(&path.display().to_string(), &read_text(path)?)
+        Self::parse(&path.display().to_string(), &text_file::read(path)?)
     }
 
     /// Reads and validates a camera file with the residual grids that it names; they are empty for
@@ -75,7 +76,7 @@ impl CameraFile {
     /// As [`Self::read`], also for the files of `[grid]`; a camera with grids is accepted.
     pub fn read_with_grids(path: &Path) -> Result<(Self, Camera, GridFiles), InputError> {
         let folder = path.parent().unwrap_or(Path::new(""));
-        let (file, text) = (path.display().to_string(), read_text(path)?);
+        let (file, text) = (path.display().to_string(), text_file::read(path)?);
         Self::parse_with_grids(&file, &text, &|name| grid_files::read_from(folder, name))
     }
 
@@ -323,15 +324,6 @@ impl CameraFile {
                 .map_or(GridChecksums::NONE, GridTable::checksums),
         }
     }
-}
-
-fn read_text(path: &Path) -> Result<String, InputError> {
-    std::fs::read_to_string(path).map_err(|error| match error.kind() {
-        std::io::ErrorKind::InvalidData => {
-            InputError::invalid(format!("{}: not a text file (UTF-8)", path.display()))
-        }
-        _ => InputError::reading(path, &error),
-    })
 }
 
 /// Returns a limit of the mechanism; 0 in the file means none.

@@ -37,6 +37,7 @@ pub mod published;
 pub mod static_block;
 mod strong_distortion;
 mod tables;
+pub mod text_file;
 pub mod toml_text;
 
 pub use camera::CameraFile;

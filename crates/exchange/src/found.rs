@@ -13,13 +13,37 @@ use crate::uncertainty::Uncertainty;
 pub struct Stated<'a> {
     /// Pixel pitch, mm.
     pub pixel_mm: Option<f64>,
+    /// Option or file that states the pitch, for messages; may be empty.
+    pub pixel_from: &'a str,
     /// Columns and rows, px.
     pub size_px: Option<[u32; 2]>,
+    /// Option or file that states columns and rows, for messages; may be empty.
+    pub size_from: &'a str,
     /// Name of one camera of several.
     pub id: Option<&'a str>,
     /// Sign of the coefficients, for files in which it is not known: `true` for a correction, which
     /// is to be added to the measured point.
     pub is_correction: Option<bool>,
+}
+
+impl Stated<'_> {
+    /// Returns the words for what states the pitch.
+    pub(crate) const fn pixel_stated_by(&self) -> &str {
+        if self.pixel_from.is_empty() {
+            "the stated ones are"
+        } else {
+            self.pixel_from
+        }
+    }
+
+    /// Returns the words for what states columns and rows.
+    pub(crate) const fn size_stated_by(&self) -> &str {
+        if self.size_from.is_empty() {
+            "the stated one is"
+        } else {
+            self.size_from
+        }
+    }
 }
 
 /// A camera as a file has it.

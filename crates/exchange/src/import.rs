@@ -280,9 +280,10 @@ impl Imported {
 
 /// Returns the size of the array: the stated one, which must be the file's where it has one.
 fn size(source: &Source<'_>, found: &Found, stated: &Stated<'_>) -> Result<[u32; 2], InputError> {
+    let from = stated.size_stated_by();
     match (found.size_px, stated.size_px) {
         (Some([width, height]), Some([w, h])) if [width, height] != [w, h] => Err(source.invalid(
-            format!("the file is of {width} x {height} px, but {w} x {h} are stated"),
+            format!("the file is of {width} x {height} px, {from} of {w} x {h} px"),
         )),
         (Some(size), _) | (None, Some(size)) => Ok(size),
         (None, None) => Err(source
@@ -296,8 +297,9 @@ fn pitch(source: &Source<'_>, found: &Found, stated: &Stated<'_>) -> Result<f64,
     match (found.pixel_mm, stated.pixel_mm) {
         (Some(file), Some(pitch)) if (file / pitch - 1.0).abs() > PITCH_TOLERANCE => Err(source
             .invalid(format!(
-                "the file has pixels of {:.6} µm, but {:.6} µm are stated",
+                "the file has pixels of {:.6} µm, {} of {:.6} µm",
                 1e3 * file,
+                stated.pixel_stated_by(),
                 1e3 * pitch
             ))),
         (_, Some(pitch)) | (Some(pitch), None) => Ok(pitch),

@@ -1,5 +1,9 @@
 //! Numbers in reports for readers: behind the word that names them.
 
+use fmc_camera_file::InputError;
+
+use crate::source::Source;
+
 /// Parses a number of a report: a finite one, Fortran's exponent included, units that stick to it
 /// left out.
 fn parsed(word: &str) -> Option<f64> {
@@ -35,6 +39,34 @@ pub(crate) fn after(text: &str, key: &str) -> Option<Vec<f64>> {
             .collect();
         (!numbers.is_empty()).then_some(numbers)
     })
+}
+
+/// Refuses numbers behind the words of `keys` that are not finite: they would count as words.
+///
+/// # Errors
+/// [`InputError`] that names the key and the number.
+pub(crate) fn check_finite(
+    source: &Source<'_>,
+    text: &str,
+    keys: &[&str],
+) -> Result<(), InputError> {
+    for line in text.lines() {
+        let words = words(line);
+        for (place, key) in words.iter().enumerate() {
+            if !keys.iter().any(|one| one.eq_ignore_ascii_case(key)) {
+                continue;
+            }
+            let rest = words.iter().skip(place + 1);
+            let fault = rest
+                .skip_while(|word| word.starts_with('('))
+                .map_while(|word| Some((word, word.parse::<f64>().ok()?)))
+                .find(|(_, number)| !number.is_finite());
+            if let Some((word, _)) = fault {
+                return Err(source.invalid(format!("{key}: {word:?} is not a finite number")));
+            }
+        }
+    }
+    Ok(())
 }
 
 /// Returns all numbers of the first line that has the words of `phrase`, behind them.

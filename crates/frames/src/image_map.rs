@@ -1,11 +1,10 @@
 //! Names of the images of a flight.
 
-use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
 use csv::{ReaderBuilder, StringRecord, Trim};
-use fmc_camera_file::InputError;
+use fmc_camera_file::{InputError, text_file};
 
 use crate::Lines;
 use crate::columns::{csv_error, names, shown};
@@ -48,7 +47,7 @@ impl ImageMap {
     }
 
     fn open(path: &Path, column: &'static str) -> Result<Self, InputError> {
-        let file = File::open(path).map_err(|error| InputError::reading(path, &error))?;
+        let file = text_file::open(path)?;
         Self::read_column(&path.display().to_string(), file, column)
     }
 

@@ -4,11 +4,10 @@ mod json;
 mod stream;
 mod table;
 
-use std::fs::File;
-use std::io::{BufRead, BufReader};
+use std::io::BufRead;
 use std::path::Path;
 
-use fmc_camera_file::InputError;
+use fmc_camera_file::{InputError, text_file};
 
 use self::stream::Stream;
 use crate::{FlightFrame, FrameCamera};
@@ -29,13 +28,8 @@ pub fn read<E: From<InputError>>(
     camera: &FrameCamera,
     each: impl FnMut(FlightFrame) -> Result<(), E>,
 ) -> Result<(), E> {
-    let file = File::open(path).map_err(|error| InputError::reading(path, &error))?;
-    read_from(
-        &path.display().to_string(),
-        BufReader::with_capacity(1 << 18, file),
-        camera,
-        each,
-    )
+    let file = text_file::open(path)?;
+    read_from(&path.display().to_string(), file, camera, each)
 }
 
 /// Reads records as [`read`] does, from any source; `file` is its name in messages.

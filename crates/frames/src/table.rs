@@ -3,12 +3,11 @@
 mod exposure;
 mod heading;
 
-use std::fs::File;
-use std::io::{BufReader, Read};
+use std::io::Read;
 use std::path::Path;
 
 use csv::{ReaderBuilder, StringRecord, Trim};
-use fmc_camera_file::InputError;
+use fmc_camera_file::{InputError, text_file};
 
 pub use self::exposure::GivenExposure;
 use self::heading::Heading;
@@ -39,14 +38,8 @@ pub fn read<E: From<InputError>>(
     given: &GivenExposure,
     each: impl FnMut(FlightFrame) -> Result<(), E>,
 ) -> Result<(), E> {
-    let file = File::open(path).map_err(|error| InputError::reading(path, &error))?;
-    read_from(
-        &path.display().to_string(),
-        BufReader::new(file),
-        camera,
-        given,
-        each,
-    )
+    let file = text_file::open(path)?;
+    read_from(&path.display().to_string(), file, camera, given, each)
 }
 
 /// Reads a table as [`read`] does, from any source; `file` is its name in messages.

@@ -40,7 +40,16 @@ pub(super) fn run(args: &ImportArgs) -> Result<(), Failure> {
     if let Some(file) = base_file {
         check_same_array(args, file)?;
     }
+    let from_base = args
+        .base
+        .as_deref()
+        .map_or_else(String::new, |path| format!("--base {}", path.display()));
+    let from = |option: &'static str, is_given: bool| -> &str {
+        if is_given { option } else { &from_base }
+    };
     let stated = Stated {
+        pixel_from: from("--pixel-um", args.pixel_um.is_some()),
+        size_from: from("--size", args.size.is_some()),
         pixel_mm: args
             .pixel_um
             .or(base_file.map(|file| file.sensor.pixel_um))

@@ -1,5 +1,6 @@
 //! Reader of CSV with named columns, for observations of calibrations.
 
+use std::io::Read as _;
 use std::path::Path;
 
 use csv::{ReaderBuilder, StringRecord, Trim};
@@ -8,6 +9,7 @@ use fmc_adjustment::observation::UNIT_SIGMA_MM;
 use fmc_camera::geometry::range::Quantity;
 use fmc_camera_file::CameraFile;
 use fmc_camera_file::number::{clipped, single};
+use fmc_camera_file::text_file;
 use fmc_frames::Lines;
 
 use super::observations::check_on_sensor;
@@ -51,7 +53,10 @@ impl NamedColumns {
     /// # Errors
     /// [`Failure`] naming file, line and column.
     pub fn read(path: &Path, required: &[&str]) -> Result<Self, Failure> {
-        let bytes = std::fs::read(path).map_err(|error| Failure::reading(path, &error))?;
+        let mut bytes = Vec::new();
+        text_file::open(path)?
+            .read_to_end(&mut bytes)
+            .map_err(|error| Failure::reading(path, &error))?;
         Self::parse(&path.display().to_string(), &bytes, required)
     }
 

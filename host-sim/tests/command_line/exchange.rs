@@ -238,6 +238,68 @@ fn array_of_the_base_is_not_contradicted() {
 }
 
 #[test]
+fn gigabyte_of_zeros_is_refused_by_its_beginning() {
+    let bench = Bench::new();
+    let zeros = fs::File::create(bench.path("zeros")).unwrap();
+    zeros.set_len(1 << 30).unwrap();
+    let camera = ["--camera", "camera.toml"];
+    let with = |words: &[&str]| bench.run(&[words, &camera].concat());
+    for words in [
+        &["correct", "--records", "zeros", "points.csv"][..],
+        &["correct", "--frames", "zeros", "points.csv"],
+        &["frame", "--records", "zeros"],
+        &["export", "frames", "--records", "zeros", "--out", "out"],
+        &["calibrate", "bundle", "zeros", "--points", "points.csv"],
+        &["calibrate", "dlt3d", "zeros"],
+    ] {
+        with(words).refused(&["zeros: not a text file: it holds bytes of zero"]);
+    }
+    bench
+        .run(&["camera-file", "check", "zeros"])
+        .refused(&["zeros: larger than 1 MiB, which no camera file is"]);
+    let import = ["import", "opencv", "zeros", "--out", "a.toml"];
+    bench.run(&import).refused(&["zeros: larger than 64 MiB"]);
+}
+
+#[test]
+fn base_is_named_where_its_size_or_pitch_contradicts_the_file() {
+    let bench = Bench::new();
+    bench
+        .run(&[&["export", "colmap"], &EXPORT[..]].concat())
+        .ok();
+    bench
+        .run(&[
+            "export",
+            "opentrackio",
+            "--camera",
+            "camera.toml",
+            "--out",
+            "sample",
+        ])
+        .ok();
+    let camera = fs::read_to_string(bench.path("camera.toml")).unwrap();
+    let changed = |file: &str, from: &str, to: &str| {
+        let other = camera.replace(from, to);
+        assert_ne!(other, camera);
+        fs::write(bench.path(file), other).unwrap();
+    };
+    changed("narrow.toml", "width_px = 9216", "width_px = 9000");
+    changed("fine.toml", "pixel_um = 8.75", "pixel_um = 8.0");
+    let import = |program, file, base| {
+        bench.run(&["import", program, file, "--base", base, "--out", "a.toml"])
+    };
+    import("colmap", "out/cameras.txt", "narrow.toml").refused(&[
+        "out/cameras.txt: the file is of 9216 x 9216 px",
+        "--base narrow.toml of 9000 x 9216 px",
+    ]);
+    import("opentrackio", "sample/lens.json", "fine.toml").refused(&[
+        "sample/lens.json: the file has pixels of 8.75",
+        "--base fine.toml of 8.0",
+    ]);
+    assert!(!bench.path("a.toml").exists());
+}
+
+#[test]
 fn model_that_the_polynomial_does_not_follow_is_fitted_with_a_warning() {
     let bench = Bench::new();
     // Four coefficients, four of the denominator, four of the thin prism, and a tilt.

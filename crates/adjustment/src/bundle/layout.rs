@@ -134,6 +134,12 @@ impl Layout {
         self.border.iter().position(|other| *other == parameter)
     }
 
+    /// Unknowns of the camera that are estimated, with their columns of the border.
+    pub fn camera_columns(&self) -> impl Iterator<Item = (usize, usize)> {
+        let places = self.camera.iter().enumerate();
+        places.filter_map(|(index, place)| Some((index, (*place)?)))
+    }
+
     /// Number of object points with unknown coordinates.
     #[must_use]
     pub fn unknown_points(&self) -> usize {

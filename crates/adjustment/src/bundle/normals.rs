@@ -1,6 +1,6 @@
 //! Normal equations of a network, its object points eliminated.
 
-use nalgebra::{DMatrix, DVector, SVector, Vector6};
+use nalgebra::{DMatrix, DVector, SMatrix, SVector, Vector6};
 
 use crate::linear::bordered_factor::{BorderedFactor, Singular};
 use crate::linear::bordered_matrix::BorderedMatrix;
@@ -150,7 +150,7 @@ impl Normals {
     fn add_eliminated(&mut self, layout: &Layout, block: &PointBlock) {
         let couplings: Vec<_> = block.rays.iter().map(PointBlock::with_image).collect();
         let reduced: Vec<_> = couplings.iter().map(|w| w * block.inverse).collect();
-        let mut own_camera = block.with_camera.tr_mul(&block.with_camera) * 0.0;
+        let mut own_camera = SMatrix::<f64, CAMERA_UNKNOWNS, CAMERA_UNKNOWNS>::zeros();
         let mut camera_right = SVector::<f64, CAMERA_UNKNOWNS>::zeros();
         for (place, (ray, reduced_own)) in block.rays.iter().zip(&reduced).enumerate() {
             let own = ray.pose_block();
@@ -161,35 +161,34 @@ impl Normals {
                 let product = -(reduced_own * coupling.transpose());
                 self.matrix.add_block(ray.image, other.image, &product);
             }
-            let with_camera = ray.by_pose.tr_mul(&ray.by_camera) - reduced_own * block.with_camera;
-            self.add_camera_border(layout, ray.image, &with_camera);
+            // Most columns belong to unknowns that are not estimated.
+            for (index, border) in layout.camera_columns() {
+                let column = ray.by_camera.column(index);
+                let with_camera =
+                    ray.by_pose.tr_mul(&column) - reduced_own * block.with_camera.column(index);
+                self.add_camera_border(ray.image, border, &with_camera);
+                for (other, _) in layout.camera_columns() {
+                    let product = column.dot(&ray.by_camera.column(other));
+                    add(&mut own_camera, index, other, product);
+                }
+            }
             let right = -ray.by_pose.tr_mul(&ray.residual) - reduced_own * block.right;
             self.add_right(ray.image, &right);
-            own_camera += ray.by_camera.tr_mul(&ray.by_camera);
             camera_right -= ray.by_camera.tr_mul(&ray.residual);
             self.cost += ray.residual.norm_squared();
         }
         self.cost += block.coordinate_cost;
         self.add_camera_diagonal(layout, &own_camera.diagonal());
         let projected = block.inverse * block.with_camera;
-        own_camera -= block.with_camera.tr_mul(&projected);
         camera_right -= projected.tr_mul(&block.right);
-        for (row, place) in layout.camera.iter().enumerate() {
-            let Some(place) = *place else { continue };
-            add(
-                &mut self.border_right,
-                place,
-                0,
-                element(&camera_right, row, 0),
-            );
-            for (column, other) in layout.camera.iter().enumerate() {
-                let Some(other) = *other else { continue };
-                add(
-                    &mut self.matrix.corner,
-                    place,
-                    other,
-                    element(&own_camera, row, column),
-                );
+        for (row, place) in layout.camera_columns() {
+            let right = element(&camera_right, row, 0);
+            add(&mut self.border_right, place, 0, right);
+            let by_point = block.with_camera.column(row);
+            for (column, other) in layout.camera_columns() {
+                let reduction = by_point.dot(&projected.column(column));
+                let sum = element(&own_camera, row, column) - reduction;
+                add(&mut self.matrix.corner, place, other, sum);
             }
         }
     }
@@ -220,17 +219,9 @@ impl Normals {
         }
     }
 
-    fn add_camera_border(
-        &mut self,
-        layout: &Layout,
-        image: usize,
-        block: &nalgebra::SMatrix<f64, 6, CAMERA_UNKNOWNS>,
-    ) {
-        for (column, place) in block.column_iter().zip(layout.camera) {
-            let Some(place) = place else { continue };
-            for (row, element) in column.iter().enumerate() {
-                add(&mut self.matrix.border, 6 * image + row, place, *element);
-            }
+    fn add_camera_border(&mut self, image: usize, place: usize, column: &Vector6<f64>) {
+        for (row, element) in column.iter().enumerate() {
+            add(&mut self.matrix.border, 6 * image + row, place, *element);
         }
     }
 

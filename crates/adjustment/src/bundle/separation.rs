@@ -2,7 +2,6 @@
 
 use nalgebra::{DMatrix, SymmetricEigen};
 
-use crate::exterior_orientation::ELEMENT_NAMES;
 use crate::linear::bordered_factor::Singular;
 use crate::linear::element::element;
 use crate::linear::weakest_direction::WeakestDirection;
@@ -28,6 +27,17 @@ const LEAST_SHARED_EIGENVALUE: f64 = 1e-6;
 
 /// Unknowns with more than this share of the largest in the weakest combination are named.
 const NAMED_SHARE: f64 = 0.3;
+
+/// Unknowns of an image: projection centre, and rotation vector about the ground axes
+/// ([`super::pose::Pose`]), neither pitch nor roll of an image that is not flown northwards.
+const POSE_NAMES: [&str; 6] = [
+    "X_S",
+    "Y_S",
+    "Z_S",
+    "rotation about X",
+    "rotation about Y",
+    "rotation about Z",
+];
 
 /// Most images whose elements are named.
 const MOST_NAMED: usize = 3;
@@ -151,7 +161,7 @@ pub fn names(network: &Network, layout: &Layout, components: &[f64]) -> Vec<Stri
         .collect();
     // One element of several images together is named once.
     let mut elements: Vec<(f64, String)> = Vec::new();
-    for (index, element) in ELEMENT_NAMES.iter().enumerate() {
+    for (index, element) in POSE_NAMES.iter().enumerate() {
         let of_images = || {
             images
                 .iter()
@@ -178,4 +188,61 @@ pub fn names(network: &Network, layout: &Layout, components: &[f64]) -> Vec<Stri
     elements.sort_by(|(a, _), (b, _)| b.total_cmp(a));
     names.extend(elements.into_iter().map(|(_, name)| name));
     names
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::FRAC_PI_2;
+
+    use nalgebra::Vector6;
+
+    use super::*;
+    use crate::bundle::image::NetworkImage;
+    use crate::bundle::interior::Interior;
+    use crate::bundle::parameters::SharedValues;
+    use crate::bundle::pose::Pose;
+    use crate::exterior_orientation::ExteriorOrientation;
+
+    #[test]
+    fn rotation_of_an_image_is_named_by_the_axis_of_the_ground_about_which_it_turns() {
+        // Flown westwards: a rotation about the ground's X is one about the camera's y, its roll.
+        let pose = Pose::from(ExteriorOrientation {
+            position_m: [0.0, 0.0, 100.0],
+            attitude: [0.0, 0.0, FRAC_PI_2],
+        });
+        let mut step = Vector6::zeros();
+        step[3] = 1e-3;
+        let [pitch, roll, _] = pose.moved(&step).orientation().attitude;
+        assert!(pitch.abs() < 1e-6 && (roll.abs() - 1e-3).abs() < 1e-6);
+        let network = Network {
+            images: vec![NetworkImage {
+                name: "west".to_owned(),
+                pose,
+                observed: None,
+                stage: None,
+            }],
+            points: Vec::new(),
+            image_points: Vec::new(),
+            additional: Vec::new(),
+            scale_bars: Vec::new(),
+            strips: Vec::new(),
+            parameters: SharedValues::new(
+                Interior {
+                    principal_distance_mm: 50.0,
+                    principal_point_mm: [0.0; 2],
+                    k: [0.0; 4],
+                    p: [0.0; 2],
+                    b: [0.0; 2],
+                },
+                0,
+            ),
+            estimated: Vec::new(),
+            priors: Vec::new(),
+        };
+        let layout = Layout::new(&network).unwrap();
+        assert_eq!(
+            names(&network, &layout, step.as_slice()),
+            ["rotation about X of image west"]
+        );
+    }
 }

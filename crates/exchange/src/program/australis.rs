@@ -8,7 +8,7 @@ use crate::correction::Correction;
 use crate::decimal::number;
 use crate::fields::pixel_count;
 use crate::found::{Formula, Found};
-use crate::lines::{after, beside};
+use crate::lines::{after, beside, check_finite};
 use crate::source::Source;
 use crate::uncertainty::Uncertainty;
 
@@ -59,6 +59,12 @@ pub(crate) fn write(camera: &Calibrated) -> Result<String, InputError> {
 /// Reads a report: the final value of each variable.
 pub(crate) fn read(source: &Source<'_>) -> Result<Found, InputError> {
     let text = source.text()?;
+    check_finite(source, text, &VARIABLES)?;
+    for unread in ["K4", "P3", "P4"] {
+        if after(text, unread).is_some_and(|numbers| numbers.iter().any(|one| one.abs() > 0.0)) {
+            return Err(source.invalid(format!("{unread} is not 0 and has no place here")));
+        }
+    }
     // Initial value, adjustment, final value, initial σ, final σ; or the value alone.
     let value = |key: &str| {
         after(text, key).and_then(|numbers| match numbers.as_slice() {
@@ -83,17 +89,15 @@ pub(crate) fn read(source: &Source<'_>) -> Result<Found, InputError> {
         principal_distance_mm: required("C")?,
         principal_point_mm: [required("XP")?, required("YP")?],
         lens: Lens {
-            k: [0.0, -optional("K1"), -optional("K2"), -optional("K3")],
-            p: [-optional("P1"), -optional("P2")],
+            // A variable that was not estimated may be left out, but none before P2.
+            k: [0.0, -required("K1")?, -required("K2")?, -optional("K3")],
+            p: [-required("P1")?, -required("P2")?],
             b: [0.0; 2],
         },
         k4: 0.0,
         divisor: [0.0; 3],
         offset_mm: [0.0; 2],
     };
-    if required("K1").is_err() && required("K2").is_err() {
-        return Err(source.invalid("K1 and K2 are missing"));
-    }
     let mut found = Found::new("camera", Formula::Correction(correction));
     // The last of five numbers is the final standard deviation.
     let sigmas: Vec<(String, f64)> = VARIABLES

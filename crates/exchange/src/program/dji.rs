@@ -14,17 +14,13 @@ pub(crate) fn read(source: &Source<'_>, stated: &Stated<'_>) -> Result<Found, In
         return Err(source.invalid("the file is empty"));
     }
     let text = String::from_utf8_lossy(source.bytes);
-    let data = match text.find("DewarpData=\"") {
-        Some(place) => text
-            .get(place + 12..)
-            .and_then(|rest| rest.split('"').next()),
-        None => match text.find("DewarpData>") {
-            Some(place) => text
-                .get(place + 11..)
-                .and_then(|rest| rest.split('<').next()),
-            None => (source.bytes.len() < 1000).then(|| text.trim()),
-        },
-    };
+    if property(&text, "DewarpFlag").is_some_and(|flag| flag.trim() == "1") {
+        return Err(source
+            .invalid("DewarpFlag is 1: the camera has taken the distortion off this image")
+            .with_help("an image with DewarpFlag 0, or a camera without distortion"));
+    }
+    let data =
+        property(&text, "DewarpData").or_else(|| (source.bytes.len() < 1000).then(|| text.trim()));
     let data = data.ok_or_else(|| source.invalid("DewarpData is missing"))?;
     let (_, numbers) = data
         .split_once(';')
@@ -50,4 +46,14 @@ pub(crate) fn read(source: &Source<'_>, stated: &Stated<'_>) -> Result<Found, In
         ..Pinhole::ideal(1.0, [middle_col + cx, middle_row + cy])
     };
     Found::new("camera", Formula::Pinhole(pinhole)).checked(source)
+}
+
+/// Returns the value of a property of an XMP, an attribute or an element; `None` also where it has
+/// no end.
+fn property<'a>(text: &'a str, name: &str) -> Option<&'a str> {
+    let ends = [("=\"", '"'), (">", '<')];
+    ends.into_iter().find_map(|(begin, end)| {
+        let (_, rest) = text.split_once(&format!("{name}{begin}"))?;
+        Some(rest.split_once(end)?.0)
+    })
 }

@@ -113,14 +113,19 @@ fn camera(
     stated: &Stated<'_>,
 ) -> Result<Found, InputError> {
     let block = Block { source, text };
-    if let Some(reference) = block.word("$PIXEL_REFERENCE")
-        && reference != "CenterTopLeft"
-    {
-        return Err(unsupported(
-            source,
-            &format!("$PIXEL_REFERENCE {reference}"),
-            "CenterTopLeft",
-        ));
+    for (key, read) in [
+        ("$KIND", "CCDFrame"),
+        ("$PIXEL_REFERENCE", "CenterTopLeft"),
+        ("$DISTORTION_TYPE", "Polynomial"),
+    ] {
+        if let Some(found) = block.word(key)
+            && found != read
+        {
+            return Err(unsupported(source, &format!("{key} {found}"), read));
+        }
+    }
+    if !block.text.lines().any(|line| line.trim() == "$END") {
+        return Err(source.invalid("the file ends within the camera: its $END is missing"));
     }
     let pixel_mm = stated
         .pixel_mm
@@ -150,9 +155,10 @@ fn camera(
         .any(|scale| (scale - 1.0).abs() > 1e-4)
     {
         return Err(source.invalid(format!(
-            "$CCD_INTERIOR_ORIENTATION: pixels of {:.6} x {:.6} µm contradict the stated {} µm",
+            "$CCD_INTERIOR_ORIENTATION: pixels of {:.6} x {:.6} µm, {} of {} µm",
             1e3 / a11,
             -1e3 / a22,
+            stated.pixel_stated_by(),
             1e3 * pixel_mm
         )));
     }

@@ -176,12 +176,23 @@ fn calibration(source: &Source<'_>, node: Node<'_, '_>, name: &str) -> Result<Fo
         decentring: [optional("p2")?, optional("p1")?],
         ..Pinhole::ideal(f, middle)
     };
-    for unread in ["p3", "p4"] {
-        if optional(unread)?.abs() > 0.0 {
-            return Err(unsupported(source, unread, "k1 to k4, p1, p2, b1, b2"));
+    for unread in node.children().filter(is_another_coefficient) {
+        let name = unread.tag_name().name();
+        if optional(name)?.abs() > 0.0 {
+            return Err(unsupported(source, name, "k1 to k4, p1, p2, b1, b2"));
         }
     }
     Found::new(name, Formula::Pinhole(pinhole))
         .sized([width, height])
         .checked(source)
+}
+
+/// Returns true for a coefficient, a letter and a digit, that is not one of those read.
+fn is_another_coefficient(node: &Node<'_, '_>) -> bool {
+    let name = node.tag_name().name();
+    let is_coefficient = matches!(
+        name.as_bytes(),
+        [b'k' | b'p' | b'b' | b's', digit] if digit.is_ascii_digit()
+    );
+    is_coefficient && !["k1", "k2", "k3", "k4", "p1", "p2", "b1", "b2"].contains(&name)
 }

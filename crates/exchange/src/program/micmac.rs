@@ -76,6 +76,24 @@ pub(crate) fn read(source: &Source<'_>, stated: &Stated<'_>) -> Result<Found, In
         .descendants()
         .find(|node| node.has_tag_name("CalibrationInternConique"))
         .ok_or_else(|| source.invalid("CalibrationInternConique is missing"))?;
+    // Affine transformations of a scan, and of a crop.
+    for (name, identity) in [
+        ("I00", [0.0, 0.0]),
+        ("V10", [1.0, 0.0]),
+        ("V01", [0.0, 1.0]),
+    ] {
+        for node in document
+            .descendants()
+            .filter(|node| node.has_tag_name(name))
+        {
+            let found = numbers(source, name, node.text().unwrap_or_default())?;
+            let differs = |(a, b): (&f64, f64)| (a - b).abs() > 0.0;
+            if found.len() != 2 || found.iter().zip(identity).any(differs) {
+                let what = format!("with an affine transformation ({name} {found:?})");
+                return Err(unsupported(source, &what, "I00 0 0, V10 1 0, V01 0 1"));
+            }
+        }
+    }
     let word = |name: &str| {
         child(calibration, name)
             .and_then(|one| one.text())

@@ -8,11 +8,14 @@ use crate::correction::Correction;
 use crate::decimal::number;
 use crate::fields::pixel_count;
 use crate::found::{Formula, Found};
-use crate::lines::{after, beside};
+use crate::lines::{after, beside, check_finite};
 use crate::source::Source;
 
 /// Name of the file.
 pub(crate) const FILE: &str = "photomodeler.txt";
+
+/// Names of the numbers, as the dialogue and the reports have them.
+const NAMES: [&str; 7] = ["XP", "YP", "K1", "K2", "K3", "P1", "P2"];
 
 /// Writes the numbers as corrections. P1 goes with x².
 pub(crate) fn write(camera: &Calibrated) -> String {
@@ -49,11 +52,19 @@ pub(crate) fn write(camera: &Calibrated) -> String {
 /// Reads the numbers.
 pub(crate) fn read(source: &Source<'_>) -> Result<Found, InputError> {
     let text = source.text()?;
+    check_finite(source, text, &NAMES)?;
     let one = |numbers: Option<Vec<f64>>| numbers.and_then(|numbers| numbers.first().copied());
     let named = |phrase: &str| one(beside(text, phrase));
     let required =
         |phrase: &str| named(phrase).ok_or_else(|| source.invalid(format!("{phrase} is missing")));
-    let optional = |key: &str| one(after(text, key)).unwrap_or(0.0);
+    let value = |key: &str| one(after(text, key));
+    let coefficient =
+        |key: &str| value(key).ok_or_else(|| source.invalid(format!("{key} is missing")));
+    for unread in ["K4", "P3", "P4"] {
+        if value(unread).is_some_and(|value| value.abs() > 0.0) {
+            return Err(source.invalid(format!("{unread} is not 0 and has no place here")));
+        }
+    }
     let principal_point_mm = match (one(after(text, "XP")), one(after(text, "YP"))) {
         (Some(x), Some(y)) => [x, y],
         _ => [
@@ -61,15 +72,18 @@ pub(crate) fn read(source: &Source<'_>) -> Result<Found, InputError> {
             required("format size h")? / 2.0 - required("principal point y")?,
         ],
     };
-    if after(text, "K1").is_none() {
-        return Err(source.invalid("K1 is missing"));
-    }
     let correction = Correction {
         principal_distance_mm: required("focal length")?,
         principal_point_mm,
         lens: Lens {
-            k: [0.0, -optional("K1"), -optional("K2"), -optional("K3")],
-            p: [-optional("P1"), -optional("P2")],
+            // Reports of older versions have no K3.
+            k: [
+                0.0,
+                -coefficient("K1")?,
+                -coefficient("K2")?,
+                -value("K3").unwrap_or(0.0),
+            ],
+            p: [-coefficient("P1")?, -coefficient("P2")?],
             b: [0.0; 2],
         },
         k4: 0.0,

@@ -102,6 +102,10 @@ fn from_cam(source: &Source<'_>, stated: &Stated<'_>, pitch: f64) -> Result<Foun
         }
     }
     let (id, lines) = chosen(source, cameras, stated.id)?;
+    let is_fisheye = |line: &&str| line.to_lowercase().contains("fisheye");
+    if lines.iter().any(is_fisheye) {
+        return Err(unsupported(source, "fisheye", "perspective"));
+    }
     let value = |key: &str| {
         let word = lines.iter().find_map(|line| {
             let (name, value) = line.split_once(' ')?;

@@ -5,12 +5,17 @@ use fmc_reference::lens::Lens;
 
 use crate::correction::Correction;
 use crate::found::{Formula, Found, Stated};
-use crate::lines::{after, beside};
+use crate::lines::{after, beside, check_finite};
 use crate::source::Source;
 
 /// Difference of polynomial and printed table that rounding to whole micrometres explains, with
 /// rounding of the coefficients, µm.
 pub(crate) const TABLE_TOLERANCE_UM: f64 = 0.55;
+
+/// Names of the numbers of a report.
+const NAMES: [&str; 11] = [
+    "K0", "K1", "K2", "K3", "K4", "P1", "P2", "P3", "P4", "xp", "yp",
+];
 
 /// Reads a report. The coefficients are corrections, K0 included; the printed radial distortion is
 /// measured - ideal, which shows the sign of the polynomial.
@@ -19,6 +24,7 @@ pub(crate) const TABLE_TOLERANCE_UM: f64 = 0.55;
 /// [`InputError`] also if the table contradicts the polynomial with either sign.
 pub(crate) fn read(source: &Source<'_>, stated: &Stated<'_>) -> Result<Found, InputError> {
     let text = source.text()?;
+    check_finite(source, text, &NAMES)?;
     let one = |key: &str| after(text, key).and_then(|numbers| numbers.first().copied());
     let required = |key: &str| one(key).ok_or_else(|| source.invalid(format!("{key} is missing")));
     let focal = beside(text, "focal length")

@@ -13,7 +13,7 @@ fn damaged_files_are_refused_or_read_and_nothing_else() {
         size_px: Some([14204, 10652]),
         is_correction: Some(true),
         pixel_mm: Some(0.003_76),
-        id: None,
+        ..Stated::default()
     };
     let mut state = 1_u64;
     let mut random = |below: usize| {

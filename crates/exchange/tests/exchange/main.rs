@@ -22,3 +22,5 @@ mod refused;
 mod round_trip;
 #[cfg(test)]
 mod support;
+#[cfg(test)]
+mod unread;

@@ -35,7 +35,7 @@ fn assert_close(found: f64, expected: f64) {
 }
 
 /// A USGS report's text, with numbers of report OSL/3030.
-const USGS: &str = "\
+pub(crate) const USGS: &str = "\
 I.  Calibrated Focal Length:  153.247 mm
 II. Lens Distortion
    Field angle:              7.5°   15°   22.7°   30°   35°   40°
@@ -99,7 +99,7 @@ fn usgs_table_of_all_reports_agrees_as_printed() {
 }
 
 /// The camera of an Inpho project, iXU-RS1000 50 mm.
-const INPHO: &str = "\
+pub(crate) const INPHO: &str = "\
 $PROJECT 15.0.0
 $END
 $CAMERA

@@ -10,7 +10,9 @@ use crate::support::{camera, ixm, text, written};
 
 const STATED: Stated<'static> = Stated {
     pixel_mm: Some(0.00376),
+    pixel_from: "--pixel-um",
     size_px: None,
+    size_from: "--size",
     id: None,
     is_correction: None,
 };
@@ -55,14 +57,19 @@ fn pitch_and_size_must_be_known_and_agree() {
         Program::Colmap,
         COLMAP,
         &other,
-        &["14204 x 10652", "9216 x 9216"],
+        &["14204 x 10652 px, --size of 9216 x 9216 px"],
     );
     let sample = text(&written(&ixm(), Program::OpenTrackIo, ""));
     let other = Stated {
         pixel_mm: Some(0.0046),
         ..STATED
     };
-    assert_refused(Program::OpenTrackIo, &sample, &other, &["3.76", "4.6"]);
+    assert_refused(
+        Program::OpenTrackIo,
+        &sample,
+        &other,
+        &["3.760000 µm, --pixel-um of 4.6"],
+    );
     let cam = text(&written(&ixm(), Program::Pix4d, ""));
     assert_refused(Program::Pix4d, &cam, &nothing, &["pixel pitch"]);
     let dewarp = "2022-06-08;3713.29,3713.29,7.0,-5.0,-0.1,0.01,0.0,0.0,0.0";

@@ -1,5 +1,7 @@
 //! Figure of the part of the format that image points cover.
 
+use std::collections::HashSet;
+
 use fmc_adjustment::calibration::result::CalibrationResult;
 use fmc_adjustment::calibration::result::coverage::LEAST_RADIUS_SHARE;
 use plotters::element::{Circle, PathElement, Rectangle, Text};
@@ -13,6 +15,21 @@ const HEAD: f64 = 108.0;
 const POINT: RGBColor = RGBColor(0, 90, 160);
 const REJECTED: RGBColor = RGBColor(194, 47, 47);
 const CORNERS: u32 = 180;
+/// Radius of a dot, px.
+const DOT: i32 = 3;
+/// Most dots that are all drawn; of more, those that lie on others are left out.
+const MOST_DOTS: usize = 5000;
+
+/// Leaves out dots of a cell, nearly as wide as a dot, that has one already.
+fn thinned(places: Vec<(i32, i32)>) -> Vec<(i32, i32)> {
+    if places.len() <= MOST_DOTS {
+        return places;
+    }
+    let cell = 2 * DOT - 1;
+    let mut taken = HashSet::new();
+    let is_first = |(x, y): &(i32, i32)| taken.insert((x.div_euclid(cell), y.div_euclid(cell)));
+    places.into_iter().filter(is_first).collect()
+}
 
 /// Draws all image points on the format, rejected ones in red, and the circle that they should
 /// reach, in SVG.
@@ -63,11 +80,35 @@ pub fn svg(result: &CalibrationResult) -> Result<String, FigureError> {
             })
             .collect();
         canvas.draw(&PathElement::new(circle, OUTLINE.stroke_width(1)))?;
-        for one in &result.image_residuals {
-            let colour = if one.is_rejected { REJECTED } else { POINT };
-            let dot = Circle::new(place(one.measured_mm), 3, colour.filled());
-            canvas.draw(&dot)?;
+        // Rejected ones are few, and above the others.
+        for (are_rejected, colour) in [(false, POINT), (true, REJECTED)] {
+            let points = result.image_residuals.iter();
+            let points = points.filter(|one| one.is_rejected == are_rejected);
+            for dot in thinned(points.map(|one| place(one.measured_mm)).collect()) {
+                canvas.draw(&Circle::new(dot, DOT, colour.filled()))?;
+            }
         }
         Ok(())
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn millions_of_points_are_as_many_dots_as_the_figure_has_room_for() {
+        let places = |count: i32| (0..count).map(|n| (n * 7919 % 780, n * 104_729 % 585));
+        let few: Vec<_> = places(5000).collect();
+        assert_eq!(thinned(few.clone()), few);
+        let many: Vec<_> = places(1_000_000).collect();
+        let dots = thinned(many.clone());
+        assert!((15_000..=156 * 117).contains(&dots.len()), "{}", dots.len());
+        let drawn: HashSet<_> = dots.into_iter().collect();
+        // A point that is left out lies within the width of a dot that is drawn.
+        for (x, y) in many.into_iter().step_by(997) {
+            let near = |dx: i32| (-4..=4).any(|dy| drawn.contains(&(x + dx, y + dy)));
+            assert!((-4..=4).any(near), "{x}, {y}");
+        }
+    }
 }

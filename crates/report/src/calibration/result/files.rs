@@ -95,7 +95,7 @@ fn common_figures(result: &CalibrationResult) -> Result<Vec<Figure>, FigureError
         }
         figures.push(figure(
             "coverage.svg",
-            "Coverage of the format; the circle is 80 % of the format radius.",
+            "Coverage of the format; the circle is 80 % of the format radius. Of many points, those that would lie on others are left out.",
             coverage_plot::svg(result)?,
         ));
     }

@@ -1,12 +1,12 @@
 //! Sketch of the network: projection centres and object points in plan.
 
 use fmc_adjustment::calibration::result::CalibrationResult;
-use fmc_adjustment::calibration::result::network::PointRole;
+use fmc_adjustment::calibration::result::network::{ObjectPoint, PointRole};
 use plotters::element::{Cross, Text, TriangleMarker};
 use plotters::prelude::{Color, RGBColor};
 
 use crate::chart::{Axes, Axis, Margins};
-use crate::figure::{self, FONT, FigureError, TITLE, WIDTH, text};
+use crate::figure::{self, FONT, FigureError, TITLE, WIDTH, pixels, text};
 use crate::legend::{self, Entry, Mark};
 use crate::wording;
 
@@ -16,8 +16,11 @@ const STATION: RGBColor = RGBColor(213, 94, 0);
 const NEW: RGBColor = RGBColor(0, 114, 178);
 const CONTROL: RGBColor = RGBColor(0, 158, 115);
 const CHECK: RGBColor = RGBColor(204, 121, 167);
-/// Most points that are drawn.
+/// Most new points that are drawn; all points of control are.
 const MOST_POINTS: usize = 5000;
+/// Images up to which a triangle has its full size, and the sizes, px.
+const FULL_SIZE: usize = 300;
+const TRIANGLE: [i32; 2] = [3, 10];
 
 /// Draws projection centres and object points in plan, X and Y of the object frame, in SVG.
 ///
@@ -43,7 +46,15 @@ pub fn svg(result: &CalibrationResult) -> Result<String, FigureError> {
         f64::midpoint(x_least, x_most),
         f64::midpoint(y_least, y_most),
     );
-    let step = result.points.len().div_ceil(MOST_POINTS).max(1);
+    let of_role = |role| result.points.iter().filter(move |one| one.role == role);
+    let step = of_role(PointRole::New).count().div_ceil(MOST_POINTS).max(1);
+    let [least_size, full_size] = TRIANGLE;
+    // As large as the area for each allows.
+    let count = |number: usize| f64::from(u32::try_from(number).unwrap_or(u32::MAX));
+    let share = (count(FULL_SIZE) / count(result.images.len()))
+        .sqrt()
+        .min(1.0);
+    let size = pixels(f64::from(full_size) * share).max(least_size);
     figure::svg(SIZE, |canvas| {
         let title = format!(
             "Network in plan: {}, {}",
@@ -86,19 +97,21 @@ pub fn svg(result: &CalibrationResult) -> Result<String, FigureError> {
             },
         };
         let mut chart = axes.draw(canvas, x - half..x + half, y - half..y + half)?;
-        chart.draw_series(result.points.iter().step_by(step).map(|one| {
-            let [x, y, _] = one.position_m;
-            let colour = match one.role {
-                PointRole::New => NEW,
-                PointRole::Control => CONTROL,
-                PointRole::Check => CHECK,
-            };
-            Cross::new((x, y), 6, colour.stroke_width(2))
-        }))?;
+        let cross = |colour: RGBColor| {
+            move |one: &ObjectPoint| {
+                let [x, y, _] = one.position_m;
+                Cross::new((x, y), 6, colour.stroke_width(2))
+            }
+        };
+        chart.draw_series(of_role(PointRole::New).step_by(step).map(cross(NEW)))?;
         chart.draw_series(result.images.iter().map(|one| {
             let [x, y, _] = one.position_m;
-            TriangleMarker::new((x, y), 10, STATION.filled())
+            TriangleMarker::new((x, y), size, STATION.filled())
         }))?;
+        // Above the others: they are few, and what is looked for.
+        for (role, colour) in [(PointRole::Control, CONTROL), (PointRole::Check, CHECK)] {
+            chart.draw_series(of_role(role).map(cross(colour)))?;
+        }
         Ok(())
     })
 }
