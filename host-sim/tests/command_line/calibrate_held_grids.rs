@@ -1,6 +1,7 @@
 //! Calibrations of cameras with residual grids: the grids are held, and the camera file that is
 //! written keeps them.
 
+use std::collections::HashSet;
 use std::fmt::Write as _;
 use std::fs;
 
@@ -20,6 +21,7 @@ use crate::command_line::wave_grid::{Lattice, WaveGrids, wave_grid};
 const CAMERA: &str = r#"name = "Laboratory"
 principal_distance_mm = 100.0
 exit_pupil_mm = 110.0
+principal_point_mm = [0.03, -0.05]
 [sensor]
 width_px = 9216
 height_px = 9216
@@ -177,6 +179,18 @@ fn flown(grids: &WaveGrids) -> Bench {
         [7, 8].map(|place| cells[place].parse().unwrap())
     };
     let points = fs::read_to_string(bench.path("image_points.csv")).unwrap();
+    // The grids may put points off the sensor.
+    let mut near_the_edge = HashSet::new();
+    with_points(&points, |cells, [x, y]| {
+        if x.abs() > 26.6 || y.abs() > 19.9 {
+            near_the_edge.insert(cells[1].to_owned());
+        }
+        [x, y]
+    });
+    let is_kept = |row: &&str| !near_the_edge.contains(row.split(',').nth(1).unwrap());
+    let kept: Vec<&str> = points.lines().filter(is_kept).collect();
+    let points = kept.join("\n") + "\n";
+    fs::write(bench.path("image_points.csv"), &points).unwrap();
     let gridded = with_points(&points, |cells, point| {
         let [offset_mm, focus_mm] = setting(cells[0]);
         let lens = Lens {
@@ -415,7 +429,7 @@ fn assert_laboratory(summary: &Value) {
             "{name}: {value} {truth} ± {sigma}"
         );
         if name != "k1" {
-            assert!((value - truth).abs() < 3e-3, "{name}: {value} {truth}");
+            assert!((value - truth).abs() < 0.01, "{name}: {value} {truth}");
         }
     }
 }
@@ -464,7 +478,8 @@ fn methods_of_the_laboratory_hold_the_grids() {
         if method == "dlt2d" {
             let (k1, _) = parameter(&found, "k1");
             let (other, _) = parameter(&without, "k1");
-            assert!((k1 - K1).abs() < 0.1 * (other - K1).abs(), "{k1} {other}");
+            assert!((k1 - K1).abs() < 1e-14, "{k1}");
+            assert!((other - K1).abs() > 1e-12, "{other}");
         } else {
             assert_laboratory(&found);
         }

@@ -321,7 +321,7 @@ fn commands_without_grids_refuse_the_camera_by_name() {
             five,
         ),
     ] {
-        let words = ["camera.toml, line 14", "[grid]", "residual grids", why];
+        let words = ["camera.toml, line 15", "[grid]", "residual grids", why];
         bench.run(arguments).failed(2, &words);
     }
     let strip = include_str!("../../scenarios/strip.toml");
@@ -332,7 +332,7 @@ fn commands_without_grids_refuse_the_camera_by_name() {
         fs::write(bench.path("scenario.toml"), scenario).unwrap();
         let arguments = [command, "--scenario", "scenario.toml", "--out", "out"];
         let words = [
-            "camera.toml, line 14",
+            "camera.toml, line 15",
             "[grid]",
             "simulated is the polynomial",
         ];

@@ -250,7 +250,7 @@ fn camera_and_stations_are_found_without_bias_with_the_grids_and_not_without_the
             assert!(sum.abs() / flights.sqrt() < 4.0, "{found:?}");
         }
         // Squares over σ² have the mean 1 and the variance 2; correlated elements count as one.
-        let mean = found.squares / (flights * ESTIMATED.len() as f64);
+        let mean = found.squares / (7.0 * flights);
         assert!(
             (mean - 1.0).abs() < 4.0 * (2.0 / flights).sqrt(),
             "{found:?}"

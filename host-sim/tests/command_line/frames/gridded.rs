@@ -81,8 +81,8 @@ fn points_of_records_are_corrected_with_the_grids_at_the_place_of_their_frame() 
             moved = moved.max(1e6 * (added[axis] - at_rest[axis]).abs());
         }
     }
-    // Single precision of some tens of micrometres.
-    assert!(largest < 0.1, "{largest} nm");
+    // Either grid is within 0.1 nm of double precision; single precision of 60 µm takes the rest.
+    assert!(largest < 0.3, "{largest} nm");
     // 0.3 mm of motion over a slope of 2e-3.
     assert!(moved > 200.0, "{moved} nm");
 }
@@ -126,7 +126,7 @@ fn frames_of_records_state_what_the_grids_leave_out_and_are_no_others() {
     let mut compared = 0;
     for (gridded, plain) in pairs.filter(|(one, _)| !one.is_empty()) {
         let [gridded, plain] = [gridded, plain].map(|text| text.parse::<f64>().unwrap());
-        assert!(gridded > plain + 0.01, "{gridded} {plain}");
+        assert!(gridded > 1.2 * plain, "{gridded} {plain}");
         compared += 1;
     }
     assert_eq!(compared, 7);
