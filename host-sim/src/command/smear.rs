@@ -60,7 +60,7 @@ pub(super) fn run(args: &SmearArgs) -> Result<(), Failure> {
     output::write(None, |sink| sink.write_all(report.text().as_bytes()))
 }
 
-/// Returns a bound of what the residual grids add to the smear of an exposure, µm: their slope times
+/// Returns a bound of the smear that the residual grids add to an exposure, µm: their slope times
 /// the path of the image in the lens, which the stage follows, and over the sensor, which is the
 /// smear with theirs, over the least scale of the image.
 fn left_out_um(grids: &CameraGrids<'_>, fields: &[SmearField], travel_mm: f32) -> f64 {

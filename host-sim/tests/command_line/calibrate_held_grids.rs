@@ -14,6 +14,7 @@ use crate::command_line::calibration_files::{
     plane_csv, summary,
 };
 use crate::command_line::flight_block::{Block, RunUp};
+use crate::command_line::lens_with_grids::{Lens, with_points};
 use crate::command_line::support::{Answer, Bench};
 use crate::command_line::wave_grid::{Lattice, WaveGrids, wave_grid};
 
@@ -41,62 +42,6 @@ const OF_LABORATORY: Lattice = Lattice {
     nodes: 48,
     pitch_mm: 2.0,
 };
-
-/// Lens over the sensor in one exposure, with a polynomial of K1 alone.
-struct Lens<'a> {
-    principal_point_mm: [f64; 2],
-    k1: f64,
-    /// c̄ along +y, mm.
-    offset_mm: f64,
-    /// 1+κ.
-    scale: f64,
-    grids: &'a ResidualSplines,
-}
-
-impl Lens<'_> {
-    /// Returns the measured point with the grids of the ray whose measured point without them is
-    /// given: ρ - K1·r²ρ - G is the same, by iteration.
-    fn measured(&self, [x, y]: [f64; 2]) -> [f64; 2] {
-        let [x0, y0] = self.principal_point_mm;
-        let mut rho = [x - x0, y - y0 - self.offset_mm].map(|mm| mm / self.scale);
-        let distortion = |[x, y]: [f64; 2]| [x, y].map(|mm| mm * self.k1 * (x * x + y * y));
-        let [dx, dy] = distortion(rho);
-        let aim = [rho[0] - dx, rho[1] - dy];
-        let point = |[x, y]: [f64; 2]| [x0 + self.scale * x, y0 + self.offset_mm + self.scale * y];
-        for _ in 0..60 {
-            let measured = point(rho);
-            let motion = [0.0, self.offset_mm];
-            let added = self.grids.moved(measured, motion, self.scale - 1.0);
-            let distortion = distortion(rho);
-            rho = [0, 1].map(|axis| aim[axis] + distortion[axis] + added[axis]);
-        }
-        point(rho)
-    }
-}
-
-/// Returns a table with the two columns of points replaced.
-fn with_points(text: &str, mut point: impl FnMut(&[&str], [f64; 2]) -> [f64; 2]) -> String {
-    let mut lines = text.lines();
-    let header = lines.next().unwrap();
-    let place = |name: &str| header.split(',').position(|one| one == name).unwrap();
-    let places = [place("x_mm"), place("y_mm")];
-    let mut changed = format!("{header}\n");
-    for line in lines {
-        let cells: Vec<&str> = line.split(',').collect();
-        let found = point(&cells, places.map(|place| cells[place].parse().unwrap()));
-        let cells: Vec<String> = (0..)
-            .zip(&cells)
-            .map(
-                |(place, cell)| match places.iter().position(|one| *one == place) {
-                    Some(axis) => format!("{:.12}", found[axis]),
-                    None => (*cell).to_owned(),
-                },
-            )
-            .collect();
-        writeln!(changed, "{}", cells.join(",")).unwrap();
-    }
-    changed
-}
 
 /// Writes a camera file with grids, and them.
 fn put(bench: &Bench, name: &str, camera: &str, grids: &WaveGrids) {
@@ -300,7 +245,7 @@ fn block_with_records_is_that_of_the_polynomial_and_without_the_grids_it_is_not(
     assert!(!bench.path("other").exists());
 }
 
-/// What is handed over has no distortion: polynomial and grids are off.
+/// A block that is handed over has no distortion: polynomial and grids are off.
 #[test]
 fn block_that_is_handed_over_has_the_grids_taken_off() {
     let grids = WaveGrids::new(5.0, OF_BLOCK);

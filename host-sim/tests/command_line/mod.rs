@@ -67,6 +67,8 @@ mod images;
 #[cfg(test)]
 mod import_grid;
 #[cfg(test)]
+mod lens_with_grids;
+#[cfg(test)]
 mod mesh;
 #[cfg(test)]
 mod mission;

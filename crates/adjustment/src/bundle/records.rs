@@ -69,12 +69,12 @@ impl FlightRecords {
     /// principal distance.
     ///
     /// # Model
-    /// `v = x̄ - (1+κ)·(D(x̄/(1+κ)) + G) + f(1+κ)·u`, `x̄ = measured - (x0, y0) - c̄·e`: convention (B)
-    /// of `docs/conventions.md` section 6, with G what the residual grids of the camera add to (A):
-    /// that of the lens at `(measured - c̄·e)/(1+κ)`, that of the sensor at the measured point.
-    /// Divided by `1+κ` it is the static equation of the point `(x0, y0) + x̄/(1+κ)` with `σ/(1+κ)`.
-    /// c̄ and κ are those of the records; the setting of the stage goes with every image, so that
-    /// [`Stage`](super::stage::Stage) can differ from them.
+    /// `v = x̄ - (1+κ)·(D(x̄/(1+κ)) + G) + f(1+κ)·u`, `x̄ = measured - (x0, y0) - c̄·e`:
+    /// convention (B) of `docs/conventions.md` section 6, with G what the residual grids of the
+    /// camera add to (A): that of the lens at `(measured - c̄·e)/(1+κ)`, that of the sensor at the
+    /// measured point. Divided by `1+κ` it is the static equation of the point
+    /// `(x0, y0) + x̄/(1+κ)` with `σ/(1+κ)`. c̄ and κ are those of the records; the setting of the
+    /// stage goes with every image, so that [`Stage`](super::stage::Stage) can differ from them.
     ///
     /// # Accuracy
     /// The calibrated principal point stands for the adjusted one as the centre of the enlargement:

@@ -17,8 +17,8 @@ pub struct ImagePointRow {
     pub point: Box<str>,
     /// Measured point, sensor frame, mm.
     pub measured_mm: [f64; 2],
-    /// What the residual grids of the camera add to the distortion at it, measured - ideal, mm;
-    /// zero for a camera without.
+    /// Distortion that the residual grids of the camera add at it, measured - ideal, mm; zero for a
+    /// camera without.
     pub by_grids_mm: [f64; 2],
     /// σ of either coordinate, mm; `None` without a column of σ.
     pub sigma_mm: Option<f64>,

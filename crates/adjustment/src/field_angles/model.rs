@@ -25,7 +25,7 @@ pub(super) struct WeightedDirection {
     pub(super) sigma_mm: f64,
 }
 
-/// What the residual grids add at a measured point.
+/// Distortion that the residual grids add at a measured point.
 #[derive(Debug, Clone, Copy, Default)]
 struct Grids {
     added_mm: Vector2<f64>,

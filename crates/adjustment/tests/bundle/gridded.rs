@@ -1,5 +1,5 @@
-//! Flights with a lens of polynomial and residual grids: what is held beside the polynomial is taken
-//! off exactly, and the adjustment finds the camera and its stations without bias.
+//! Flights with a lens of polynomial and residual grids: the grids that are held beside the
+//! polynomial are taken off exactly, and the adjustment finds camera and stations without bias.
 
 use fmc_adjustment::bundle::calibration::{BundleCalibration, CalibrationOptions, GrossErrors};
 use fmc_adjustment::bundle::cofactors::Cofactors;

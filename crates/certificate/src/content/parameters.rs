@@ -80,8 +80,8 @@ impl ParameterSection {
     /// Collects the parameters.
     ///
     /// # Errors
-    /// [`InputError`] for a calibration of another camera or with other residual grids, and a parameter that differs from the
-    /// camera file's or has its σ from two calibrations.
+    /// [`InputError`] for a calibration of another camera or with other residual grids, and a
+    /// parameter that differs from the camera file's or has its σ from two calibrations.
     pub(super) fn new(inputs: &Inputs<'_>) -> Result<Self, InputError> {
         let Inputs {
             camera,

@@ -217,8 +217,8 @@ impl<'a> FlightExport<'a> {
     }
 }
 
-/// Returns what OpenTrackIO, the one program with a formula of measured points and a camera per image,
-/// holds of a camera: neither K0 nor affinity.
+/// Returns the formula of measured points that a program with a camera per image holds: that of
+/// OpenTrackIO, without K0 and affinity.
 fn held(camera: &Calibrated) -> Correction {
     let mut held = Correction::of(&camera.polynomial().without_k0());
     held.lens.b = [0.0; 2];

@@ -12,7 +12,7 @@ pub(super) const COEFFICIENTS: usize = 5;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Pair {
     pub(super) measured_mm: [f64; 2],
-    /// What the residual grids of the camera file add to the distortion at it, mm.
+    /// Distortion that the residual grids of the camera file add at it, mm.
     pub(super) by_grids_mm: [f64; 2],
     pub(super) sigma_mm: f64,
     /// From the mean of all points, m.
