@@ -98,6 +98,7 @@ fn block(images: usize, points_per_image: usize) -> Network {
                     x + SIGMA_MM * normal(&mut random),
                     y + SIGMA_MM * normal(&mut random),
                 ],
+                by_grids_mm: [0.0; 2],
                 sigma_mm: SIGMA_MM,
                 additional: None,
                 accepted: true,

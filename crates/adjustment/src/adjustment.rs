@@ -157,6 +157,7 @@ impl Adjustment {
                     image,
                     point,
                     measured_mm: control.corrected.point_mm,
+                    by_grids_mm: [0.0; 2],
                     sigma_mm: self.sigmas.image_mm,
                     additional: u32::try_from(point).ok(),
                     accepted: true,

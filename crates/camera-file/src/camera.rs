@@ -69,6 +69,16 @@ impl CameraFile {
         Self::parse(&path.display().to_string(), &text_file::read(path)?)
     }
 
+    /// Reads and validates a camera file for a use that has no place for residual grids; `why` says
+    /// so in the error of a file with `[grid]`.
+    ///
+    /// # Errors
+    /// As [`Self::read`].
+    pub fn read_polynomial(path: &Path, why: &str) -> Result<(Self, Camera), InputError> {
+        let (file, text) = (path.display().to_string(), read_text(path)?);
+        Self::without_grids(&TomlText::new(&file, &text), why)
+    }
+
     /// Reads and validates a camera file with the residual grids that it names; they are empty for
     /// a camera without.
     ///
@@ -105,13 +115,16 @@ impl CameraFile {
     /// # Errors
     /// As [`Self::read`].
     pub fn parse(file: &str, text: &str) -> Result<(Self, Camera), InputError> {
-        let text = TomlText::new(file, text);
-        let (camera_file, camera) = Self::validated(&text)?;
+        let why = "without them the camera corrects otherwise";
+        Self::without_grids(&TomlText::new(file, text), why)
+    }
+
+    fn without_grids(text: &TomlText, why: &str) -> Result<(Self, Camera), InputError> {
+        let (camera_file, camera) = Self::validated(text)?;
         if camera_file.grid.is_some() {
-            let fault =
-                "residual grids are not used here, and without them the camera corrects otherwise";
+            let fault = format!("residual grids are not used here: {why}");
             return Err(text
-                .invalid_table("grid", fault)
+                .invalid_table("grid", &fault)
                 .with_help("for the polynomial alone, take [grid] out of a copy of the file"));
         }
         Ok((camera_file, camera))

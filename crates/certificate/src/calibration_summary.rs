@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use fmc_camera::geometry::grid::GridChecksums;
 use fmc_camera_file::InputError;
 use fmc_report::hash;
 use serde::Deserialize;
@@ -31,6 +32,16 @@ pub struct ObservedRegion {
     pub x_mm: [f64; 2],
     /// Smallest and largest y, mm in the sensor frame.
     pub y_mm: [f64; 2],
+}
+
+/// Residual grid that a calibration held.
+#[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
+pub struct HeldGrid {
+    /// Part: `lens` or `sensor`.
+    #[serde(rename = "frame")]
+    pub part: String,
+    /// CRC-32 with which its file ends, eight hexadecimal digits.
+    pub crc32: String,
 }
 
 /// Statements of a calibration about itself; those that its summary does not have are `None` or
@@ -71,6 +82,8 @@ pub struct CalibrationSummary {
     pub warnings: Vec<String>,
     /// Part of the sensor with observed points.
     pub observed: Option<ObservedRegion>,
+    /// Residual grids that were held.
+    pub held_grids: Vec<HeldGrid>,
     /// Parameters.
     pub parameters: Vec<EstimatedParameter>,
     /// Correlations between two parameters.
@@ -99,6 +112,8 @@ struct Written {
     #[serde(default)]
     warnings: Vec<String>,
     observed: Option<ObservedRegion>,
+    #[serde(default)]
+    held_grids: Vec<HeldGrid>,
     #[serde(default)]
     parameters: Vec<Parameter>,
     #[serde(default)]
@@ -201,6 +216,7 @@ impl CalibrationSummary {
             iterations: written.iterations,
             warnings: written.warnings,
             observed: written.observed,
+            held_grids: written.held_grids,
             parameters,
             correlations,
         })
@@ -225,6 +241,37 @@ impl CalibrationSummary {
             self.file
         ))
         .with_help("take the camera file that this calibration has written"))
+    }
+
+    /// Checks that the residual grids that were held are those of the camera file, each with the
+    /// CRC-32 with which its file ends.
+    ///
+    /// # Errors
+    /// [`InputError`] naming the part and both.
+    pub fn check_grids(&self, in_file: GridChecksums) -> Result<(), InputError> {
+        if self.held_grids.is_empty() {
+            return Ok(());
+        }
+        for (part, known) in [("lens", in_file.lens), ("sensor", in_file.sensor)] {
+            let held = self.held_grids.iter().find(|grid| grid.part == part);
+            let held = held.map(|grid| grid.crc32.to_lowercase());
+            let known = known.map(|crc32| format!("{crc32:08x}"));
+            if held != known {
+                let named = |crc32: Option<String>| {
+                    crc32.map_or("none".to_owned(), |crc32| {
+                        format!("that with CRC-32 {crc32}")
+                    })
+                };
+                return Err(InputError::invalid(format!(
+                    "{}: held residual grid of the {part}: {}, and the camera file has {}",
+                    self.file,
+                    named(held),
+                    named(known)
+                ))
+                .with_help("take the camera file that this calibration has written"));
+            }
+        }
+        Ok(())
     }
 
     /// Returns the correlation of two parameters: 1 of a parameter with itself.

@@ -35,9 +35,12 @@ pub(crate) fn camera_path(
 /// Reads a camera file, whose run-up the scenario may replace.
 ///
 /// # Errors
-/// [`InputError`] as of [`CameraFile::read`].
+/// [`InputError`] as of [`CameraFile::read`]: the lens that is simulated is the polynomial.
 pub(crate) fn camera_with(path: &Path, run_up: Option<Strategy>) -> Result<CameraFile, InputError> {
-    let (mut camera, _) = CameraFile::read(path)?;
+    let (mut camera, _) = CameraFile::read_polynomial(
+        path,
+        "the lens through which the flight is simulated is the polynomial, and a grid that simulation and adjustment share drops out",
+    )?;
     if run_up.is_some() {
         camera.fmc.strategy = run_up;
     }

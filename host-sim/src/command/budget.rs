@@ -10,7 +10,10 @@ use crate::failure::{Failure, note};
 use crate::formats::output::{self, OutputFolder};
 
 pub(super) fn run(args: &BudgetArgs) -> Result<(), Failure> {
-    let (camera, _) = super::read_camera(&args.camera)?;
+    let (camera, _) = super::read_camera(
+        &args.camera,
+        "its shares are those of the polynomial's terms, and a grid has none among them",
+    )?;
     let budget = run::budget(&camera, assumptions(args))
         .map_err(|error| Failure::bad_input(format!("{}: {error}", args.camera.display())))?;
     if let Some(out) = &args.out {

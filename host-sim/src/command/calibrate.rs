@@ -6,6 +6,7 @@ pub(super) mod dlt3d;
 mod flight_records;
 pub(super) mod grid;
 mod hand_over;
+mod held_grids;
 pub(super) mod network;
 mod report;
 
@@ -28,7 +29,7 @@ use crate::formats::output::{self, OutputFolder};
 
 /// Runs `calibrate five`.
 pub(super) fn five(args: &FiveArgs) -> Result<(), Failure> {
-    let (camera, validated) = super::read_camera(&args.camera)?;
+    let (camera, validated) = super::read_camera(&args.camera, super::FIVE_KNOW_NO_GRIDS)?;
     let camera_name = args
         .camera
         .file_name()

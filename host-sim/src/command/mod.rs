@@ -84,12 +84,16 @@ pub fn run(cli: Cli) -> Result<(), Failure> {
     }
 }
 
-/// Reads a camera file, and prints a warning if its distortion is hardly believable.
+/// Why the five-coefficient model takes no camera with residual grids.
+const FIVE_KNOW_NO_GRIDS: &str = "the five coefficients are fitted to distortions of the polynomial and its motion; those of a grid would bend them";
+
+/// Reads a camera file for a command that has no place for residual grids, and prints a warning if
+/// its distortion is hardly believable; `why` says what it has no place for.
 ///
 /// # Errors
 /// [`Failure`] of the camera file.
-fn read_camera(path: &Path) -> Result<(CameraFile, Camera), Failure> {
-    let (file, camera) = CameraFile::read(path)?;
+fn read_camera(path: &Path, why: &str) -> Result<(CameraFile, Camera), Failure> {
+    let (file, camera) = CameraFile::read_polynomial(path, why)?;
     warn_of_distortion(path, &file);
     Ok((file, camera))
 }

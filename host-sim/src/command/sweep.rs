@@ -19,7 +19,7 @@ use crate::failure::{Failure, note};
 use crate::formats::output::{self, OutputFolder};
 
 pub(super) fn run(args: &SweepArgs) -> Result<(), Failure> {
-    let (mut camera, _) = super::read_camera(&args.camera)?;
+    let (mut camera, _) = super::read_camera(&args.camera, super::FIVE_KNOW_NO_GRIDS)?;
     if let Some(strategy) = args.strategy {
         if camera.fmc.mechanism == MechanismName::Tdi {
             return Err(Failure::bad_input(format!(

@@ -7,6 +7,7 @@ use fmc_adjustment::bundle::tables::Table;
 use fmc_adjustment::calibration::result::InputFile;
 use fmc_camera::geometry::range::MAX_FOCUS_FRACTION;
 use fmc_camera_file::CameraFile;
+use fmc_reference::residual_splines::ResidualSplines;
 
 use super::named_columns::{NamedColumns, Row};
 use crate::failure::Failure;
@@ -26,11 +27,16 @@ const REQUIRED: [&str; 7] = [
 /// table to 10 nm.
 const PRINCIPAL_POINT_TOLERANCE_MM: f64 = 1e-5;
 
-/// Reads the records of a flight; columns other than those needed may be missing.
+/// Reads the records of a flight of a camera with these residual grids; columns other than those
+/// needed may be missing.
 ///
 /// # Errors
 /// [`Failure`] naming file, line, column, value and allowed range.
-pub fn read(path: &Path, camera: &CameraFile) -> Result<(FlightRecords, InputFile), Failure> {
+pub fn read(
+    path: &Path,
+    camera: &CameraFile,
+    grids: &ResidualSplines,
+) -> Result<(FlightRecords, InputFile), Failure> {
     let columns = NamedColumns::read(path, &REQUIRED)?;
     let rows: Vec<RecordRow> = columns
         .rows()
@@ -45,6 +51,7 @@ pub fn read(path: &Path, camera: &CameraFile) -> Result<(FlightRecords, InputFil
         direction: camera.fmc.axis.unit(),
         principal_point_mm: camera.principal_point_mm,
         lever_mm: camera.exit_pupil_mm(),
+        grids: grids.clone(),
     };
     Ok((records, columns.input))
 }

@@ -43,6 +43,7 @@ pub fn image_points(path: &Path, camera: &CameraFile) -> Result<Read<ImagePointR
             image: row.name("image")?,
             point: row.name("point")?,
             measured_mm: measured.point_mm,
+            by_grids_mm: [0.0; 2],
             sigma_mm: has_sigma.then_some(measured.sigma_mm),
         })
     })

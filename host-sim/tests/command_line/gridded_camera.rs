@@ -3,11 +3,11 @@
 use std::fmt::Write as _;
 use std::fs;
 
-use fmc_camera::SensorPoint;
-use fmc_camera::geometry::grid::{GridCarrier, GridHeader};
+use fmc_camera::geometry::grid::GridCarrier;
 use serde_json::Value;
 
 use crate::command_line::support::{Answer, Bench};
+use crate::command_line::wave_grid::{Lattice, WaveGrids, wave_grid};
 
 /// 12 x 8.8 mm; the stage moves by many pixels and leaves its plane.
 const CAMERA: &str = r#"name = "Small camera"
@@ -37,42 +37,19 @@ const EXPOSURE: [&str; 8] = [
     "0.3",
 ];
 
-/// Returns the file of a grid with waves of an amplitude, µm, and its CRC-32.
-fn grid(carrier: GridCarrier, phase: f64, amplitude_um: f64) -> (Vec<u8>, u32) {
-    let header = GridHeader {
-        carrier,
-        columns: 24,
-        rows: 24,
-        first_node: SensorPoint::new(-11.5, -11.5),
-        pitch_mm: 1.0,
-        scale_mm: 1e-6,
-    };
-    let mut file = header.to_bytes().to_vec();
-    for node in 0..24 * 24_u16 {
-        let [column, row] = [node % 24, node / 24].map(f64::from);
-        for along in [0.7 * column + 0.3 * row, 0.5 * row - 0.6 * column] {
-            let value = 1000.0 * amplitude_um * (along + phase).sin();
-            #[expect(clippy::cast_possible_truncation, reason = "at most 20000")]
-            let value = value.round() as i16;
-            file.extend(value.to_le_bytes());
-        }
-    }
-    let crc = GridHeader::checksum(&file);
-    file.extend(crc.to_le_bytes());
-    (file, crc)
-}
+/// Covers the sensor and the stroke.
+const LATTICE: Lattice = Lattice {
+    nodes: 24,
+    pitch_mm: 1.0,
+};
 
 /// A folder with the camera and its grids, and with `plain.toml`, the same camera without.
 fn bench(amplitude_um: f64) -> Bench {
-    let (lens, lens_crc) = grid(GridCarrier::Lens, 0.3, amplitude_um);
-    let (sensor, sensor_crc) = grid(GridCarrier::Sensor, 1.9, amplitude_um);
-    let camera = format!(
-        "{CAMERA}[grid]\nlens = \"l.fmcg\"\nlens_crc32 = \"{lens_crc:08x}\"\n\
-         sensor = \"s.fmcg\"\nsensor_crc32 = \"{sensor_crc:08x}\"\n"
-    );
-    let bench = Bench::with(&camera, b"");
-    fs::write(bench.path("l.fmcg"), lens).unwrap();
-    fs::write(bench.path("s.fmcg"), sensor).unwrap();
+    let grids = WaveGrids::new(amplitude_um, LATTICE);
+    let bench = Bench::with(&format!("{CAMERA}{}", grids.table), b"");
+    for (name, bytes) in grids.files() {
+        fs::write(bench.path(name), bytes).unwrap();
+    }
     fs::write(bench.path("plain.toml"), CAMERA).unwrap();
     bench
 }
@@ -307,7 +284,7 @@ fn certificate_states_the_grids_and_its_check_finds_a_changed_or_missing_one() {
     fs::write(bench.path("out/s.fmcg"), &good).unwrap();
     bench.run(&check).ok();
     // The same number of bytes with a CRC of its own: another grid.
-    let (other, _) = grid(GridCarrier::Sensor, 0.1, 2.0);
+    let (other, _) = wave_grid(GridCarrier::Sensor, 0.1, 2.0, LATTICE);
     fs::write(bench.path("out/s.fmcg"), other).unwrap();
     finds(&bench, "s.fmcg");
     let text = fs::read_to_string(bench.path("camera.toml")).unwrap();
@@ -330,26 +307,63 @@ fn finds(bench: &Bench, words: &str) {
     assert!(answer.stderr.contains(words), "{words}: {}", answer.stderr);
 }
 
-/// Experiments whose truth is the polynomial, and calibrations that replace it.
+/// Each says why it has no place for grids.
 #[test]
 fn commands_without_grids_refuse_the_camera_by_name() {
     let bench = bench(20.0);
-    for arguments in [
-        &["budget", "--camera", "camera.toml"][..],
-        &["sweep", "--camera", "camera.toml", "--out", "out"],
-        &[
-            "smear",
-            "--camera",
-            "camera.toml",
-            "--vh",
-            "0.1",
-            "--exposure",
-            "1/200",
-        ],
+    let five = "the five coefficients";
+    fs::write(bench.path("obs.csv"), "").unwrap();
+    for (arguments, why) in [
+        (&["budget", "--camera", "camera.toml"][..], "shares"),
+        (&["sweep", "--camera", "camera.toml", "--out", "out"], five),
+        (
+            &["calibrate", "five", "obs.csv", "--camera", "camera.toml"],
+            five,
+        ),
     ] {
-        bench
-            .run(arguments)
-            .failed(2, &["camera.toml", "[grid]", "residual grids"]);
+        let words = ["camera.toml, line 15", "[grid]", "residual grids", why];
+        bench.run(arguments).failed(2, &words);
+    }
+    let strip = include_str!("../../scenarios/strip.toml");
+    let block = include_str!("../../scenarios/block/ixm-50.toml");
+    for (command, scenario) in [("strip", strip), ("block", block)] {
+        let camera = scenario.lines().find(|line| line.starts_with("camera = "));
+        let scenario = scenario.replace(camera.unwrap(), "camera = \"camera.toml\"");
+        fs::write(bench.path("scenario.toml"), scenario).unwrap();
+        let arguments = [command, "--scenario", "scenario.toml", "--out", "out"];
+        let words = [
+            "camera.toml, line 15",
+            "[grid]",
+            "simulated is the polynomial",
+        ];
+        bench.run(&arguments).failed(2, &words);
     }
     assert!(!bench.path("out").exists());
+}
+
+/// The prediction knows no distortion; the simulated exposure goes through the polynomial, and what
+/// the grids would add to it is bounded.
+#[test]
+fn smear_says_what_the_grids_change_at_most() {
+    let smear = |bench: &Bench, camera: &str| {
+        let arguments = ["smear", "--vh", "0.1", "--exposure", "1/200", "--camera"];
+        bench.run(&[&arguments[..], &[camera]].concat()).ok()
+    };
+    let bound = |amplitude_um: f64| {
+        let bench = bench(amplitude_um);
+        let gridded = smear(&bench, "camera.toml");
+        assert_eq!(gridded.stdout, smear(&bench, "plain.toml").stdout);
+        let (_, rest) = gridded.stderr.split_once("at most ").unwrap();
+        rest.split_once(" µm").unwrap().0.parse::<f64>().unwrap()
+    };
+    let (small, large) = (bound(2.0), bound(20.0));
+    // δ = 20 mm · 0.1/s · 5 ms = 10 µm, and a slope of 2 µm · 1.4/mm of both grids: 0.06 µm.
+    assert!((0.02..0.1).contains(&small), "{small}");
+    assert!((9.0..12.0).contains(&(large / small)), "{large} {small}");
+    let bench = bench(2.0);
+    assert!(
+        !smear(&bench, "plain.toml")
+            .stderr
+            .contains("residual grids")
+    );
 }

@@ -25,6 +25,8 @@ mod calibrate_grid;
 #[cfg(test)]
 mod calibrate_hand_over;
 #[cfg(test)]
+mod calibrate_held_grids;
+#[cfg(test)]
 mod calibrate_network;
 #[cfg(test)]
 mod calibrate_records;
@@ -64,6 +66,8 @@ mod gridded_camera;
 mod images;
 #[cfg(test)]
 mod import_grid;
+#[cfg(test)]
+mod lens_with_grids;
 #[cfg(test)]
 mod mesh;
 #[cfg(test)]
@@ -113,6 +117,8 @@ mod terminal;
 mod verify;
 #[cfg(test)]
 mod vh;
+#[cfg(test)]
+mod wave_grid;
 #[cfg(test)]
 #[cfg(unix)]
 #[path = "../../../fuzz/wire_format.rs"]

@@ -31,6 +31,12 @@ pub struct WeightedRay {
 
 impl WeightedRay {
     /// Linearises an image point; `None` if the point is not below the lens.
+    ///
+    /// # Model
+    /// That of [`Ray`] with what the residual grids add at the measured point taken off:
+    /// `v = x̄ - D(x̄) - G + f·(u1, u2)/u3`. D is that of the point as measured, not of one that the
+    /// grids have corrected already: between them lies the slope of D times G, 120 nm for 4 % and
+    /// 3 µm. G is held, and does not depend on the unknowns.
     #[must_use]
     pub fn new(
         network: &Network,
@@ -69,7 +75,7 @@ impl WeightedRay {
         }
         Some(Self {
             image: observed.image,
-            residual: weight * ray.residual_mm,
+            residual: weight * (ray.residual_mm - Vector2::from(observed.by_grids_mm)),
             by_pose: weight * ray.by_pose,
             by_point: weight * ray.by_point,
             by_camera,

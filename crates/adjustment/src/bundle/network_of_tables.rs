@@ -76,6 +76,7 @@ impl NetworkTables {
                     image,
                     point,
                     measured_mm: row.measured_mm,
+                    by_grids_mm: row.by_grids_mm,
                     sigma_mm,
                     additional: None,
                     accepted: true,

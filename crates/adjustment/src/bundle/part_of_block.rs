@@ -96,6 +96,7 @@ mod tests {
             image: format!("{image:05}").into(),
             point: format!("{point}").into(),
             measured_mm: [0.0; 2],
+            by_grids_mm: [0.0; 2],
             sigma_mm: None,
         };
         let rows = (0..images)

@@ -4,11 +4,12 @@
 use std::collections::{HashMap, HashSet};
 
 use fmc_camera_file::InputError;
+use fmc_reference::residual_splines::ResidualSplines;
 use nalgebra::Vector2;
 
 use super::interior::Interior;
 use super::stage::StageSetting;
-use super::tables::{ImageRow, NetworkTables, Table};
+use super::tables::{ImagePointRow, ImageRow, NetworkTables, Table};
 
 /// Largest number of steps of an inversion of the distortion.
 const MOST_STEPS: usize = 50;
@@ -46,6 +47,8 @@ pub struct FlightRecords {
     pub principal_point_mm: [f64; 2],
     /// L: distance of the exit pupil, by which a focus shift enlarges the image, mm.
     pub lever_mm: f64,
+    /// Residual grids of the camera; empty for one without.
+    pub grids: ResidualSplines,
 }
 
 impl FlightRecords {
@@ -66,14 +69,18 @@ impl FlightRecords {
     /// principal distance.
     ///
     /// # Model
-    /// `v = x̄ - (1+κ)·D(x̄/(1+κ)) + f(1+κ)·u`, `x̄ = measured - (x0, y0) - c̄·e`: convention (B)
-    /// of `docs/conventions.md` section 6. Divided by `1+κ` it is the static equation of the point
+    /// `v = x̄ - (1+κ)·(D(x̄/(1+κ)) + G) + f(1+κ)·u`, `x̄ = measured - (x0, y0) - c̄·e`:
+    /// convention (B) of `docs/conventions.md` section 6, with G what the residual grids of the
+    /// camera add to (A): that of the lens at `(measured - c̄·e)/(1+κ)`, that of the sensor at the
+    /// measured point. Divided by `1+κ` it is the static equation of the point
     /// `(x0, y0) + x̄/(1+κ)` with `σ/(1+κ)`. c̄ and κ are those of the records; the setting of the
     /// stage goes with every image, so that [`Stage`](super::stage::Stage) can differ from them.
     ///
     /// # Accuracy
     /// The calibrated principal point stands for the adjusted one as the centre of the enlargement:
-    /// their distance times κ, 0.02 nm for 20 µm and Δz = 0.1 µm in 100 mm.
+    /// their distance times κ, 0.02 nm for 20 µm and Δz = 0.1 µm in 100 mm. The grid of the lens
+    /// stays at the place of the record where [`Stage`](super::stage::Stage) differs from it: for a
+    /// scale 6 % off at c̄ = 64 µm and a slope of 1e-3, 4 nm.
     ///
     /// # Errors
     /// [`InputError`]: an image without record or with a refused one, a record twice or without
@@ -81,12 +88,17 @@ impl FlightRecords {
     pub fn reduced(&self, tables: &NetworkTables) -> Result<NetworkTables, InputError> {
         let [x0, y0] = self.principal_point_mm;
         let [e_x, e_y] = self.direction;
-        self.with_points(tables, |record, [x, y]| {
+        self.with_points(tables, |record, row| {
             let scale = 1.0 + record.enlargement;
-            [
-                x0 + (x - x0 - record.offset_mm * e_x) / scale,
-                y0 + (y - y0 - record.offset_mm * e_y) / scale,
-            ]
+            let motion = [record.offset_mm * e_x, record.offset_mm * e_y];
+            row.by_grids_mm = self
+                .grids
+                .moved(row.measured_mm, motion, record.enlargement);
+            let ([x, y], [motion_x, motion_y]) = (row.measured_mm, motion);
+            row.measured_mm = [
+                x0 + (x - x0 - motion_x) / scale,
+                y0 + (y - y0 - motion_y) / scale,
+            ];
         })
     }
 
@@ -108,7 +120,9 @@ impl FlightRecords {
     ) -> Result<NetworkTables, InputError> {
         let [x0, y0] = self.principal_point_mm;
         let direction = Vector2::from(self.direction);
-        self.with_points(tables, |record, [x, y]| {
+        self.with_points(tables, |record, row| {
+            row.by_grids_mm = self.grids.calibrated(row.measured_mm);
+            let [x, y] = row.measured_mm;
             let measured = Vector2::new(x - x0, y - y0);
             let ideal = measured - interior.distortion(measured.into());
             let moved = (ideal - record.offset_mm * direction) / (1.0 + record.enlargement);
@@ -121,7 +135,7 @@ impl FlightRecords {
                     break;
                 }
             }
-            [x0 + point.x, y0 + point.y]
+            row.measured_mm = [x0 + point.x, y0 + point.y];
         })
     }
 
@@ -129,14 +143,14 @@ impl FlightRecords {
     fn with_points(
         &self,
         tables: &NetworkTables,
-        replaced: impl Fn(&RecordRow, [f64; 2]) -> [f64; 2],
+        replace: impl Fn(&RecordRow, &mut ImagePointRow),
     ) -> Result<NetworkTables, InputError> {
         let by_sequence = self.by_sequence(tables)?;
         let mut reduced = tables.clone();
         let file = &tables.image_points.file;
         for row in &mut reduced.image_points.rows {
             let record = self.of_image(&by_sequence, file, row.line, &row.image)?;
-            row.measured_mm = replaced(record, row.measured_mm);
+            replace(record, row);
             row.sigma_mm = row.sigma_mm.map(|sigma| sigma / (1.0 + record.enlargement));
             if !reduced.stages.contains_key(&row.image) {
                 let setting = StageSetting {
@@ -253,8 +267,19 @@ fn shown(tables: &NetworkTables) -> HashSet<&str> {
 
 #[cfg(test)]
 mod tests {
+    use fmc_reference::residual_spline::ResidualSpline;
+
     use super::*;
-    use crate::bundle::tables::ImagePointRow;
+
+    /// Spline of `size`·(xy, x² - y²) over ±30 mm, which have their own values as coefficients: the
+    /// second differences of a bilinear and of a harmonic square cancel.
+    fn bowl(size: f64) -> ResidualSpline {
+        let nodes = (0..49_u8).map(|node| {
+            let [x, y] = [node % 7, node / 7].map(|place| 10.0 * f64::from(place) - 30.0);
+            [size * x * y, size * (x * x - y * y)]
+        });
+        ResidualSpline::new([-30.0; 2], 10.0, 7, nodes.collect())
+    }
 
     #[test]
     fn reduced_points_satisfy_convention_b() {
@@ -275,6 +300,7 @@ mod tests {
                     image: "7".into(),
                     point: "p".into(),
                     measured_mm,
+                    by_grids_mm: [0.0; 2],
                     sigma_mm: Some(0.001),
                 }],
             },
@@ -302,10 +328,24 @@ mod tests {
             direction,
             principal_point_mm: interior.principal_point_mm,
             lever_mm: 50.0,
+            grids: ResidualSplines::new(Some(bowl(2e-6)), Some(bowl(-3e-6))),
         };
         let reduced = records.reduced(&tables).unwrap();
         let row = reduced.image_points.rows.first().unwrap();
         let ideal = interior.corrected(row.measured_mm);
+        // The grid of the lens goes with c̄ and the focus, that of the sensor stays.
+        let [x, y] = [17.4, -9.0].map(|place| place / (1.0 + kappa));
+        let grids = [
+            2e-6 * x * y - 3e-6 * 17.0 * -9.0,
+            2e-6 * (x * x - y * y) - 3e-6 * (17.0 * 17.0 - 9.0 * 9.0),
+        ];
+        for (found, expected) in row.by_grids_mm.into_iter().zip(grids) {
+            assert!((found - expected).abs() < 1e-15, "{found} {expected}");
+        }
+        let at_rest = tables.with_grids(&records.grids).image_points.rows;
+        let [at_x, at_y] = at_rest.first().unwrap().by_grids_mm;
+        let [expected_x, expected_y] = [-1e-6 * 17.0 * -9.0, -1e-6 * (17.0 * 17.0 - 9.0 * 9.0)];
+        assert!((at_x - expected_x).abs() < 1e-15 && (at_y - expected_y).abs() < 1e-15);
         // f(1+κ), (1+κ)·D(r/(1+κ)) about (x0, y0) + c̄·e.
         let scale = 1.0 + kappa;
         let about = [measured_mm[0] - 0.05 + offset_mm, measured_mm[1] + 0.08];

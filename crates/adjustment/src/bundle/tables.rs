@@ -2,6 +2,8 @@
 
 use std::collections::HashMap;
 
+use fmc_reference::residual_splines::ResidualSplines;
+
 use super::stage::StageSetting;
 
 /// Row of a file of image points.
@@ -15,6 +17,9 @@ pub struct ImagePointRow {
     pub point: Box<str>,
     /// Measured point, sensor frame, mm.
     pub measured_mm: [f64; 2],
+    /// Distortion that the residual grids of the camera add at it, measured - ideal, mm; zero for a
+    /// camera without.
+    pub by_grids_mm: [f64; 2],
     /// σ of either coordinate, mm; `None` without a column of σ.
     pub sigma_mm: Option<f64>,
 }
@@ -99,4 +104,16 @@ pub struct NetworkTables {
     pub scale_bars: Option<Table<ScaleBarRow>>,
     /// Stage of each image by its name; empty without records.
     pub stages: HashMap<Box<str>, StageSetting>,
+}
+
+impl NetworkTables {
+    /// Returns the tables with what the residual grids of the camera add at every image point, the
+    /// stage at its calibrated place.
+    #[must_use]
+    pub fn with_grids(mut self, grids: &ResidualSplines) -> Self {
+        for row in &mut self.image_points.rows {
+            row.by_grids_mm = grids.calibrated(row.measured_mm);
+        }
+        self
+    }
 }

@@ -33,7 +33,8 @@ const LEAST_IMPROVEMENT: f64 = 8.0;
 ///
 /// # Model
 /// `docs/calibration.md`: PP = (x0, y0) + (1+s)·c·e(α), Δz = z1·c + z2·c² on top of the other terms
-/// of the camera file, f(1+κ) and (1+κ)·D(r/(1+κ)) with κ = Δz/L.
+/// of the camera file, f(1+κ) and (1+κ)·D(r/(1+κ)) with κ = Δz/L. Residual grids are held and add
+/// to D, that of the lens at the place to which the stage of the moment brings it.
 ///
 /// # Accuracy
 /// Noise-free observations give the camera back to 1e-9 mm
@@ -154,6 +155,7 @@ fn start<'a>(
         run_out,
         mount: plausibility::mount(request, &interior)?,
         axis: camera.fmc.axis.unit(),
+        grids: request.grids,
         exit_pupil_mm: camera.exit_pupil_mm,
         directions: &[],
         elements: request.estimated,

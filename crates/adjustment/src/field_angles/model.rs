@@ -1,5 +1,6 @@
 //! Area camera on a turntable, with its stage.
 
+use fmc_reference::residual_splines::ResidualSplines;
 use nalgebra::{Rotation3, Vector2, Vector3};
 
 use crate::bundle::interior::{Interior, InteriorElement};
@@ -24,6 +25,16 @@ pub(super) struct WeightedDirection {
     pub(super) sigma_mm: f64,
 }
 
+/// Distortion that the residual grids add at a measured point.
+#[derive(Debug, Clone, Copy, Default)]
+struct Grids {
+    added_mm: Vector2<f64>,
+    /// Place in the frame of the lens.
+    place_mm: Vector2<f64>,
+    /// Derivatives by x and y of that place.
+    slopes: [Vector2<f64>; 2],
+}
+
 /// The camera of the moment, with its observations.
 #[derive(Debug, Clone)]
 pub(super) struct FieldCamera<'a> {
@@ -36,6 +47,8 @@ pub(super) struct FieldCamera<'a> {
     pub(super) mount: Rotation3<f64>,
     /// e of the camera file.
     pub(super) axis: [f64; 2],
+    /// Residual grids of the camera file.
+    pub(super) grids: &'a ResidualSplines,
     /// L, mm; `None` if it is f.
     pub(super) exit_pupil_mm: Option<f64>,
     pub(super) directions: &'a [WeightedDirection],
@@ -82,6 +95,26 @@ impl FieldCamera<'_> {
         (point / (1.0 + self.enlargement(stage_offset_mm))).into()
     }
 
+    /// Returns what the residual grids add to the distortion of a measured point at a stage offset,
+    /// mm, with its derivatives by the place of the lens, x and y.
+    fn by_grids(&self, measured_mm: [f64; 2], stage_offset_mm: f64) -> Grids {
+        if self.grids.is_empty() {
+            return Grids::default();
+        }
+        let motion = self.motion_mm(stage_offset_mm);
+        let scale = 1.0 + self.enlargement(stage_offset_mm);
+        let place = (Vector2::from(measured_mm) - motion) / scale;
+        let [by_x, by_y] = self.grids.slopes_of_lens(place.into());
+        Grids {
+            added_mm: self
+                .grids
+                .moved(measured_mm, motion.into(), scale - 1.0)
+                .into(),
+            place_mm: place,
+            slopes: [by_x.into(), by_y.into()],
+        }
+    }
+
     /// Interior orientation about its own principal point.
     pub(super) const fn about_principal_point(&self) -> Interior {
         Interior {
@@ -107,7 +140,8 @@ impl Model<2> for FieldCamera<'_> {
 
     /// # Model
     /// `docs/calibration.md`: with ρ = (measured - PP)/(1+κ),
-    /// `v = (1+κ)·(ρ - D(ρ) + f·(u1, u2)/u3)`.
+    /// `v = (1+κ)·(ρ - D(ρ) - G + f·(u1, u2)/u3)`, G what the residual grids add: that of the lens
+    /// at `(measured - (1+s)·c·e(α))/(1+κ)`, that of the sensor at the measured point.
     #[expect(clippy::many_single_char_names, reason = "symbols of the equations")]
     fn linearised(&self, index: usize) -> Option<Linearised<2>> {
         let one = self.directions.get(index)?;
@@ -123,10 +157,17 @@ impl Model<2> for FieldCamera<'_> {
             .about_principal_point()
             .corrected_with_derivatives(point);
         let f = self.interior.principal_distance_mm;
-        let residual = enlarged * (corrected.ideal_mm + f * tangent);
+        let grids = self.by_grids(one.measured_mm, c);
+        let [by_lens_x, by_lens_y] = grids.slopes;
+        let of_point = corrected.ideal_mm - grids.added_mm + f * tangent;
+        let residual = enlarged * of_point;
         let [_, by_x0, by_y0, ..] = corrected.by_element;
         let [x, y] = point;
-        let by_enlargement = residual / enlarged + x * by_x0 + y * by_y0;
+        let by_enlargement = of_point
+            + x * by_x0
+            + y * by_y0
+            + grids.place_mm.x * by_lens_x
+            + grids.place_mm.y * by_lens_y;
         // κ = Δz/f falls with f.
         let by_lever = match self.exit_pupil_mm {
             Some(_) => Vector2::zeros(),
@@ -147,8 +188,10 @@ impl Model<2> for FieldCamera<'_> {
         }
         if self.run_out_unknowns > 0 {
             let [ex, ey] = self.axis;
-            columns.push(c * (ex * by_x0 + ey * by_y0));
-            columns.push(c * (ex * by_y0 - ey * by_x0));
+            // The stage carries the grid of the lens, the principal point alone does not.
+            let (by_x, by_y) = (by_x0 + by_lens_x, by_y0 + by_lens_y);
+            columns.push(c * (ex * by_x + ey * by_y));
+            columns.push(c * (ex * by_y - ey * by_x));
             let mut power = 1.0;
             for _ in 0..self.run_out_unknowns {
                 power *= c;
@@ -193,6 +236,8 @@ impl Model<2> for FieldCamera<'_> {
 
 #[cfg(test)]
 mod tests {
+    use fmc_reference::residual_spline::ResidualSpline;
+
     use super::*;
 
     #[test]
@@ -203,6 +248,17 @@ mod tests {
             stage_offset_mm: 0.7,
             sigma_mm: 1e-3,
         }];
+        // Steep ones, 30 µm of waves.
+        let nodes = (0..400_u16).map(|node| {
+            let [column, row] = [node % 20, node / 20].map(f64::from);
+            [
+                (0.9 * column + 0.4 * row).sin(),
+                (0.7 * row - 0.5 * column).cos(),
+            ]
+            .map(|wave| 0.03 * wave)
+        });
+        let spline = ResidualSpline::new([-30.0; 2], 3.0, 20, nodes.collect());
+        let grids = ResidualSplines::new(Some(spline.clone()), Some(spline));
         let mut model = FieldCamera {
             interior: Interior {
                 principal_distance_mm: 51.4,
@@ -215,6 +271,7 @@ mod tests {
             run_out: [1e-3, 2e-3, -3e-3, 0.0, 1e-4],
             mount: Rotation3::from_euler_angles(0.01, -0.02, 0.04),
             axis: [0.0, -1.0],
+            grids: &grids,
             exit_pupil_mm: Some(70.0),
             directions: &directions,
             elements: &InteriorElement::ALL,
@@ -225,8 +282,12 @@ mod tests {
             1e-6, 1e-6, 1e-6,
         ];
         assert_eq!(steps.len(), model.unknowns());
-        for lever in [Some(70.0), None] {
-            model.exit_pupil_mm = lever;
+        for (lever, grids) in [
+            (Some(70.0), &grids),
+            (None, &grids),
+            (None, &ResidualSplines::NONE),
+        ] {
+            (model.exit_pupil_mm, model.grids) = (lever, grids);
             let row = model.linearised(0).unwrap();
             for (unknown, size) in steps.into_iter().enumerate() {
                 let at = |sign: f64| {

@@ -1,6 +1,7 @@
 //! Observations and choices of the precise-angle method for an area camera, and its result.
 
 use fmc_camera_file::CameraFile;
+use fmc_reference::residual_splines::ResidualSplines;
 use nalgebra::Vector3;
 
 use crate::bundle::interior::InteriorElement;
@@ -60,6 +61,8 @@ pub struct FieldAnglesRequest<'a> {
     pub has_stage: bool,
     /// Camera file; what is not estimated is held at its values.
     pub camera: &'a CameraFile,
+    /// Its residual grids, which are held; empty for a camera without.
+    pub grids: &'a ResidualSplines,
     /// Elements of the interior orientation that are estimated.
     pub estimated: &'a [InteriorElement],
     /// σ of either angle, rad.

@@ -4,7 +4,7 @@
 use std::collections::HashMap;
 
 use fastrand::Rng;
-use fmc_adjustment::bundle::interior::InteriorElement;
+use fmc_adjustment::bundle::interior::{Interior, InteriorElement};
 use fmc_adjustment::bundle::network::Network;
 use fmc_adjustment::bundle::network_of_tables::Unknowns;
 use fmc_adjustment::bundle::orientation::network_orientation::orient;
@@ -15,6 +15,7 @@ use fmc_adjustment::bundle::stage::Stage;
 use fmc_adjustment::bundle::tables::{
     ImagePointRow, ImageRow, NetworkTables, ObjectPointRow, RowRole, Table,
 };
+use fmc_reference::residual_splines::ResidualSplines;
 use nalgebra::{Rotation2, Rotation3, Vector2, Vector3};
 
 use crate::data::ideal;
@@ -129,11 +130,21 @@ fn count(number: usize) -> f64 {
     f64::from(u32::try_from(number).unwrap())
 }
 
+/// Exposure of a flight.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Station {
+    /// Number of the strip.
+    strip: usize,
+    /// Lens and attitude at the centroid.
+    pub(crate) pose: Pose,
+    /// m/s.
+    velocity: Vector3<f64>,
+}
+
 impl Flight {
-    /// Returns the files of the flight.
-    pub(crate) fn tables(&self, seed: u64) -> NetworkTables {
-        let mut random = Rng::with_seed(seed);
-        // The field does not depend on the seed.
+    /// Returns the points of the field, which does not depend on the seed, and the exposures, in
+    /// the order of the names of their images.
+    pub(crate) fn field(&self) -> (Vec<Vector3<f64>>, Vec<Station>) {
         let mut field = Rng::with_seed(5);
         let points: Vec<Vector3<f64>> = (0..90)
             .map(|_| {
@@ -144,30 +155,45 @@ impl Flight {
                 )
             })
             .collect();
-        let mut rays = Vec::new();
-        let mut images = Vec::new();
+        let mut stations = Vec::new();
         for (strip, flown) in self.strips.iter().enumerate() {
             let yaw = -flown.heading_deg.to_radians();
             let along = Rotation3::from_axis_angle(&Vector3::z_axis(), yaw);
             for place in 0..PLACES {
-                let name: Box<str> = (PLACES * strip + place).to_string().into();
-                let velocity = along * Vector3::new(0.0, flown.speed_m_s, 0.0);
                 let aside = 160.0 * (count(strip) - 0.5 * count(self.strips.len() - 1)) / 2.0;
                 let tilt = Vector3::from_fn(|_, _| self.tilt_rad * normal(&mut field));
-                let pose = Pose {
-                    position_m: along
-                        * Vector3::new(aside, 150.0 * (count(place) - 2.5), flown.height_m),
-                    rotation: along * Rotation3::from_scaled_axis(tilt),
-                };
-                for (number, ground) in points.iter().enumerate() {
-                    let [x, y] = self.image_mm(flown, &pose, velocity, ground);
-                    if x.abs() < HALF_MM[0] && y.abs() < HALF_MM[1] {
-                        let measured = [x, y].map(|mm| mm + SIGMA_MM * normal(&mut random));
-                        rays.push((name.clone(), number, measured));
-                    }
-                }
-                images.push(self.observed(name, strip, &pose, velocity, &mut random));
+                stations.push(Station {
+                    strip,
+                    pose: Pose {
+                        position_m: along
+                            * Vector3::new(aside, 150.0 * (count(place) - 2.5), flown.height_m),
+                        rotation: along * Rotation3::from_scaled_axis(tilt),
+                    },
+                    velocity: along * Vector3::new(0.0, flown.speed_m_s, 0.0),
+                });
             }
+        }
+        (points, stations)
+    }
+
+    /// Returns the files of the flight.
+    pub(crate) fn tables(&self, seed: u64) -> NetworkTables {
+        let mut random = Rng::with_seed(seed);
+        let (points, stations) = self.field();
+        let mut rays = Vec::new();
+        let mut images = Vec::new();
+        for (number, station) in stations.iter().enumerate() {
+            let name: Box<str> = number.to_string().into();
+            let (pose, velocity) = (&station.pose, station.velocity);
+            let flown = &self.strips[station.strip];
+            for (number, ground) in points.iter().enumerate() {
+                let [x, y] = self.image_mm(flown, pose, velocity, ground);
+                if x.abs() < HALF_MM[0] && y.abs() < HALF_MM[1] {
+                    let measured = [x, y].map(|mm| mm + SIGMA_MM * normal(&mut random));
+                    rays.push((name.clone(), number, measured));
+                }
+            }
+            images.push(self.observed(name, station.strip, pose, velocity, &mut random));
         }
         let seen = |number: usize| rays.iter().filter(|(_, other, _)| *other == number).count();
         let image_points = rays
@@ -179,6 +205,7 @@ impl Flight {
                 image: image.clone(),
                 point: format!("p{number}").into(),
                 measured_mm: *measured,
+                by_grids_mm: [0.0; 2],
                 sigma_mm: Some(SIGMA_MM),
             })
             .collect();
@@ -249,6 +276,11 @@ impl Flight {
 
     /// Returns the tables reduced by the records of the flight.
     pub(crate) fn with_records(&self, seed: u64) -> NetworkTables {
+        self.records().reduced(&self.tables(seed)).unwrap()
+    }
+
+    /// Returns the records of the flight.
+    pub(crate) fn records(&self) -> FlightRecords {
         let strips = self.strips.iter().enumerate();
         let rows = strips.flat_map(|(strip, flown)| {
             (0..PLACES).map(move |place| RecordRow {
@@ -261,7 +293,7 @@ impl Flight {
                 centroid_after_trigger_s: None,
             })
         });
-        let records = FlightRecords {
+        FlightRecords {
             table: Table {
                 file: "records.csv".to_owned(),
                 rows: rows.collect(),
@@ -269,8 +301,8 @@ impl Flight {
             direction: DIRECTION,
             principal_point_mm: [0.0; 2],
             lever_mm: F_MM,
-        };
-        records.reduced(&self.tables(seed)).unwrap()
+            grids: ResidualSplines::NONE,
+        }
     }
 
     /// Returns what is observed on board at a pose of the camera.
@@ -315,9 +347,18 @@ impl Flight {
     }
 }
 
-/// Returns the oriented network of some tables.
+/// Returns the oriented network of some tables of a camera without distortion.
 pub(crate) fn oriented(tables: &NetworkTables, unknowns: &Unknowns) -> Network {
-    let mut tabled = tables.network(ideal(F_MM), unknowns).unwrap();
+    oriented_from(tables, ideal(F_MM), unknowns)
+}
+
+/// Returns the network of some tables, oriented with an interior orientation.
+pub(crate) fn oriented_from(
+    tables: &NetworkTables,
+    interior: Interior,
+    unknowns: &Unknowns,
+) -> Network {
+    let mut tabled = tables.network(interior, unknowns).unwrap();
     let unoriented = orient(&mut tabled.network, tabled.known.clone());
     assert_eq!(unoriented.images, [0; 0]);
     assert_eq!(unoriented.points, [0; 0]);

@@ -61,6 +61,7 @@ pub(crate) fn tables(set: &str, [width, height, pixel_um]: [f64; 3]) -> NetworkT
                         image: row["image"].clone().into(),
                         point: row["point"].clone().into(),
                         measured_mm,
+                        by_grids_mm: [0.0; 2],
                         sigma_mm: Some(sigma_mm),
                     }
                 })

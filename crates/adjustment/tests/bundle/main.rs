@@ -17,6 +17,8 @@ mod datum;
 #[cfg(test)]
 mod geometry;
 #[cfg(test)]
+mod gridded;
+#[cfg(test)]
 mod platform;
 #[cfg(test)]
 mod refused;

@@ -165,6 +165,7 @@ fn y_downwards_is_told_by_the_residuals() {
             image: network.images[observed.image].name.as_str().into(),
             point: network.points[observed.point].name.as_str().into(),
             measured_mm: [observed.measured_mm[0], -observed.measured_mm[1]],
+            by_grids_mm: [0.0; 2],
             sigma_mm: Some(observed.sigma_mm),
         })
         .collect();

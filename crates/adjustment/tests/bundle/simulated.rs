@@ -159,6 +159,7 @@ impl Simulated {
                             x + SIGMA_MM * normal(&mut random),
                             y + SIGMA_MM * normal(&mut random),
                         ],
+                        by_grids_mm: [0.0; 2],
                         sigma_mm: SIGMA_MM,
                         additional: None,
                         accepted: true,

@@ -68,6 +68,7 @@ fn tables(control: &[usize]) -> NetworkTables {
                 image: format!("i{image}").into(),
                 point: format!("p{point}").into(),
                 measured_mm,
+                by_grids_mm: [0.0; 2],
                 sigma_mm: Some(1e-3),
             }));
         }

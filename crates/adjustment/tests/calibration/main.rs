@@ -15,6 +15,8 @@ mod dlt3d_refused;
 #[cfg(test)]
 mod field_angles;
 #[cfg(test)]
+mod held_grids;
+#[cfg(test)]
 mod noise;
 #[cfg(test)]
 mod plane;

@@ -9,6 +9,7 @@ use fmc_adjustment::calibration::dlt3d::pinhole::Pinhole;
 use fmc_adjustment::calibration::failure::CalibrationFailure;
 use fmc_adjustment::calibration::result::InputFile;
 use fmc_camera_file::CameraFile;
+use fmc_reference::residual_splines::ResidualSplines;
 use nalgebra::{Rotation3, Vector3};
 
 use crate::noise::Noise;
@@ -99,6 +100,7 @@ pub(crate) fn request<'a>(
         focus: None,
         targets,
         camera,
+        grids: &ResidualSplines::NONE,
         corners,
         is_estimated: [true; 5],
         keeps_all: false,

@@ -7,6 +7,7 @@ use fmc_adjustment::calibration::dlt3d::{Dlt3d, Dlt3dRequest, FieldPoint, dlt3d}
 use fmc_adjustment::calibration::failure::CalibrationFailure;
 use fmc_adjustment::calibration::result::InputFile;
 use fmc_camera_file::CameraFile;
+use fmc_reference::residual_splines::ResidualSplines;
 use nalgebra::{Rotation3, Vector3};
 
 use crate::noise::Noise;
@@ -200,6 +201,7 @@ pub(crate) fn request<'a>(
         has_sigma: false,
         points,
         camera,
+        grids: &ResidualSplines::NONE,
         is_estimated,
         keeps_all: false,
     }

@@ -4,21 +4,27 @@ use fmc_adjustment::grid::calibration::GridCalibration;
 use fmc_camera::geometry::grid::GridCarrier;
 use fmc_reference::lens::Lens;
 
-use crate::simulated::{BOTH, LENS, calibrated, camera, seen, table};
+use crate::simulated::{
+    BOTH, LENS, RUN_OUT_UM, calibrated, camera, camera_with, enlargement, seen, table, table_with,
+};
 
 /// Returns the errors of a calibrated camera between the rows of the table, nm.
 fn errors_nm(found: &GridCalibration, offset_mm: f64) -> Vec<f64> {
+    errors_with(found, offset_mm, &RUN_OUT_UM)
+}
+
+/// Returns the errors with another run-out of the stage, nm.
+fn errors_with(found: &GridCalibration, offset_mm: f64, run_out_um: &[f64]) -> Vec<f64> {
     let calibrated = &found.result.calibrated;
     let lens = Lens::of(&fmc_camera_file::CameraFile {
         distortion: calibrated.distortion.clone(),
         ..found.result.camera.clone()
     });
-    let [z1, z2] = [2e-3, -5e-4];
-    let enlargement = (z1 * offset_mm + z2 * offset_mm.powi(2)) / 80.0;
+    let enlargement = enlargement(run_out_um, offset_mm);
     let side = || (0..52_u8).map(|index| 0.73 * (f64::from(index) - 25.5));
     let mut errors = Vec::new();
     for point in side().flat_map(|y| side().map(move |x| [x, y])) {
-        let [measured, truth] = seen(point, offset_mm);
+        let [measured, truth] = seen(point, offset_mm, run_out_um);
         let [x, y] = [measured[0], measured[1] + offset_mm];
         let mut sum = lens.displacement(point);
         for grid in &found.grids {
@@ -88,6 +94,39 @@ fn table_at_several_offsets_has_the_run_out_of_the_camera_file_taken_off() {
     flat.fmc.flatness_um.clear();
     let found = calibrated(&rows, &flat, &LENS).unwrap();
     assert!(found.of_camera.largest_mm > 1e-4, "{:?}", found.of_camera);
+}
+
+/// A negative slope, a square alone, a constant with three powers: up to 0.1 ‰ of the image.
+#[test]
+fn run_outs_of_other_signs_and_powers_are_taken_off_as_well() {
+    for run_out_um in [
+        &[0.0, -3.0][..],
+        &[0.0, 0.0, 6.0],
+        &[-2.5, 1.2, -0.8, 2.4],
+        &[4.0, -1.5, 0.0, 0.0, 3.0],
+    ] {
+        let camera = camera_with(run_out_um);
+        let rows = table_with(&[-0.9, -0.2, 0.8], run_out_um);
+        for carriers in [&LENS[..], &BOTH[..]] {
+            let found = calibrated(&rows, &camera, carriers).unwrap();
+            for offset_mm in [-0.9, 0.0, 0.5] {
+                let errors = errors_with(&found, offset_mm, run_out_um);
+                assert!(
+                    largest(&errors) <= 13.0,
+                    "{run_out_um:?} at {offset_mm} mm: {} nm",
+                    largest(&errors)
+                );
+            }
+        }
+        // With the signs reversed the offsets disagree by tenths of a micrometre and more.
+        let reversed: Vec<f64> = run_out_um.iter().map(|um| -um).collect();
+        let found = calibrated(&rows, &camera_with(&reversed), &LENS).unwrap();
+        assert!(
+            found.of_camera.largest_mm > 2e-4,
+            "{run_out_um:?}: {:?}",
+            found.of_camera
+        );
+    }
 }
 
 #[test]

@@ -72,6 +72,7 @@ pub struct CalibrationLine {
     pub largest_um: Option<Stated>,
     pub rejected: Option<u64>,
     pub iterations: Option<u64>,
+    pub held_grids: Vec<String>,
     pub warnings: Vec<String>,
 }
 
@@ -79,8 +80,8 @@ impl ParameterSection {
     /// Collects the parameters.
     ///
     /// # Errors
-    /// [`InputError`] for a calibration of another camera, and a parameter that differs from the
-    /// camera file's or has its σ from two calibrations.
+    /// [`InputError`] for a calibration of another camera or with other residual grids, and a
+    /// parameter that differs from the camera file's or has its σ from two calibrations.
     pub(super) fn new(inputs: &Inputs<'_>) -> Result<Self, InputError> {
         let Inputs {
             camera,
@@ -210,6 +211,7 @@ fn add(
             summary.file, camera.name
         )));
     }
+    summary.check_grids(camera.parameters().grids)?;
     let in_file = of_camera(camera);
     for parameter in &summary.parameters {
         let known = in_file.iter().find(|one| one.name == parameter.name);
@@ -298,6 +300,11 @@ fn line(summary: &CalibrationSummary) -> CalibrationLine {
         largest_um: digits(summary.largest_um),
         rejected: summary.rejected,
         iterations: summary.iterations,
+        held_grids: summary
+            .held_grids
+            .iter()
+            .map(|grid| format!("{}, CRC-32 {}", grid.part, grid.crc32))
+            .collect(),
         warnings: summary.warnings.clone(),
     }
 }

@@ -199,6 +199,7 @@ fn network(
                 image,
                 point,
                 measured_mm: place,
+                by_grids_mm: [0.0; 2],
                 sigma_mm: request.sigma_px,
                 additional: None,
                 accepted: true,

@@ -123,7 +123,7 @@ impl<'a> FlightExport<'a> {
             images,
             poses: flight.poses.as_deref(),
             at_rest: pinhole,
-            without_k0: Correction::of(&camera.polynomial().without_k0()),
+            without_k0: held(camera),
         };
         let bend = largest_bend(camera);
         let export = Self {
@@ -215,6 +215,14 @@ impl<'a> FlightExport<'a> {
         }
         Ok(())
     }
+}
+
+/// Returns the formula of measured points that a program with a camera per image holds: that of
+/// OpenTrackIO, without K0 and affinity.
+fn held(camera: &Calibrated) -> Correction {
+    let mut held = Correction::of(&camera.polynomial().without_k0());
+    held.lens.b = [0.0; 2];
+    held
 }
 
 /// Returns the export of the calibrated camera, with the residual of the frames.

@@ -7,6 +7,7 @@ use fmc_adjustment::bundle::tables::{
     ImagePointRow, ImageRow, NetworkTables, ObjectPointRow, RowRole, Table,
 };
 use fmc_camera::flight::camera::FrameError;
+use fmc_reference::residual_splines::ResidualSplines;
 
 use super::flight_plan::Station;
 use super::flown_image::{FlownImage, sensor_pose};
@@ -90,6 +91,7 @@ impl FlownBlock {
                 direction: scenario.camera.fmc.axis.unit(),
                 principal_point_mm: scenario.camera.principal_point_mm,
                 lever_mm: scenario.camera.exit_pupil_mm(),
+                grids: ResidualSplines::NONE,
             },
         })
     }
@@ -129,6 +131,7 @@ fn recorded(
                 image: station.frame.to_string().into(),
                 point: name(number),
                 measured_mm,
+                by_grids_mm: [0.0; 2],
                 sigma_mm: Some(sigma_mm),
             };
             Some((number, row))

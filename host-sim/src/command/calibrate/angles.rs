@@ -10,6 +10,7 @@ use fmc_report::calibration::angles::{of_method, tables};
 use fmc_report::calibration::field_angles as area;
 use fmc_report::calibration::result::of_method::{OfMethod, PageTable};
 
+use super::held_grids::HeldGrids;
 use super::report::{self, Prepared};
 use crate::cli::{AlongAxis, AnglesArgs};
 use crate::failure::Failure;
@@ -21,10 +22,16 @@ const PLACE_PX: f64 = 0.1;
 /// Runs `calibrate angles`: the header of the observations says which of the two it is.
 pub(in crate::command) fn run(args: &AnglesArgs) -> Result<(), Failure> {
     report::check_date(&args.common.files)?;
-    let (camera, _) = crate::command::read_camera(&args.common.files.camera)?;
+    let (camera, held) = HeldGrids::read(&args.common.files.camera)?;
     match calibration_points::turntable_angles(&args.angles, &camera)? {
+        TurntableAngles::Line(..) if !held.is_empty() => Err(Failure::bad_input(format!(
+            "{}: [grid]: residual grids are not used with one line of the sensor, {}: they are of an area, across the line, too",
+            args.common.files.camera.display(),
+            args.angles.display()
+        ))
+        .with_help("for the polynomial alone, take [grid] out of a copy of the file")),
         TurntableAngles::Line(input, observations) => line(args, &camera, input, &observations),
-        TurntableAngles::Area(file) => of_area(args, &camera, file),
+        TurntableAngles::Area(file) => of_area(args, &camera, &held, file),
     }
 }
 
@@ -53,10 +60,16 @@ fn line(
     })?;
     let of_method = of_method(&found).map_err(report::failed)?;
     let texts: Vec<String> = tables(&found).iter().map(PageTable::text).collect();
-    written(args, &mut found.result, of_method, &texts)
+    let held = HeldGrids::default();
+    written(args, &mut found.result, of_method, &held, &texts)
 }
 
-fn of_area(args: &AnglesArgs, camera: &CameraFile, file: FieldDirections) -> Result<(), Failure> {
+fn of_area(
+    args: &AnglesArgs,
+    camera: &CameraFile,
+    held: &HeldGrids,
+    file: FieldDirections,
+) -> Result<(), Failure> {
     let name = args.angles.display();
     if args.along.is_some() {
         return Err(Failure::bad_input(format!(
@@ -84,24 +97,27 @@ fn of_area(args: &AnglesArgs, camera: &CameraFile, file: FieldDirections) -> Res
         observations: &directions,
         has_stage: file.has_stage,
         camera,
+        grids: held.splines(),
         estimated: &estimated.0,
         sigma_angle_rad: angle_rad,
         keeps_all: args.common.keep_all,
     })?;
     let of_method = area::of_method(&found);
     let texts: Vec<String> = of_method.tables.iter().map(PageTable::text).collect();
-    written(args, &mut found.result, of_method, &texts)
+    written(args, &mut found.result, of_method, held, &texts)
 }
 
 fn written(
     args: &AnglesArgs,
     result: &mut CalibrationResult,
     of_method: OfMethod,
+    held: &HeldGrids,
     texts: &[String],
 ) -> Result<(), Failure> {
     let prepared = Prepared::of(
         result,
         of_method,
+        held,
         &args.common.files,
         &[&args.angles],
         args.common.files.out.as_deref(),

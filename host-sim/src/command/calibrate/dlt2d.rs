@@ -7,12 +7,13 @@ use fmc_adjustment::calibration::dlt2d::dlt2d;
 use fmc_adjustment::calibration::dlt2d::request::Dlt2dRequest;
 use fmc_adjustment::grid::calibration::GridCalibration;
 use fmc_camera::geometry::grid::GridCarrier;
+use fmc_camera_file::CameraFile;
 use fmc_camera_file::grid_block::without_grids;
-use fmc_camera_file::{CameraFile, static_block};
 use fmc_report::calibration::dlt2d::of_method;
 use fmc_report::calibration::grid;
 use fmc_report::calibration::result::of_method::PageTable;
 
+use super::held_grids::{HeldGrids, add_files};
 use super::report::{self, Prepared};
 use crate::cli::{Dlt2dArgs, OneGridPart};
 use crate::failure::Failure;
@@ -25,13 +26,13 @@ pub(in crate::command) fn run(args: &Dlt2dArgs) -> Result<(), Failure> {
     let path = args.common.files.camera.as_path();
     let (name, text) = (path.display().to_string(), report::camera_text(path)?);
     // With --grid, grids of a former calibration are replaced.
-    let text = if args.grid {
-        without_grids(&name, &text)?
+    let (camera, held) = if args.grid {
+        let (camera, _) = CameraFile::parse(&name, &without_grids(&name, &text)?)?;
+        crate::command::warn_of_distortion(path, &camera);
+        (camera, HeldGrids::default())
     } else {
-        text
+        HeldGrids::read(path)?
     };
-    let (camera, _) = CameraFile::parse(&name, &text)?;
-    crate::command::warn_of_distortion(path, &camera);
     let file = calibration_points::plane_targets(&args.targets, &camera)?;
     if file.settings.is_empty() {
         return Err(Failure::bad_input(format!(
@@ -47,6 +48,7 @@ pub(in crate::command) fn run(args: &Dlt2dArgs) -> Result<(), Failure> {
             focus: setting.focus.clone(),
             targets: &setting.targets,
             camera: &camera,
+            grids: held.splines(),
             corners: corners.as_ref(),
             is_estimated: args.estimate.0,
             keeps_all: args.common.keep_all,
@@ -69,9 +71,12 @@ pub(in crate::command) fn run(args: &Dlt2dArgs) -> Result<(), Failure> {
         let folder = folder(args, setting.focus.as_deref(), file.settings.len())?;
         let made = match &grid {
             Some(grid) => super::grid::camera_file(&name, &text, grid),
-            None => static_block::with_calibration(&name, &text, &found.result.calibrated),
+            None => held.camera_file(&name, &text, &found.result.calibrated),
         };
-        let former = super::grid::add_files(&mut of_method, grid.as_ref().filter(|_| made.is_ok()));
+        held.state(&mut found.result, &mut of_method);
+        let grids = made.as_ref().map_or(&[][..], |(_, grids)| grids);
+        let former = add_files(&mut of_method, grids);
+        let made = made.map(|(text, _)| text);
         let outputs = Prepared::with_camera(
             &mut found.result,
             of_method,

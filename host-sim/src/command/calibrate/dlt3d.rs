@@ -4,6 +4,7 @@ use fmc_adjustment::calibration::dlt3d::{Dlt3dRequest, dlt3d};
 use fmc_report::calibration::dlt3d::of_method;
 use fmc_report::calibration::result::of_method::PageTable;
 
+use super::held_grids::HeldGrids;
 use super::report::{self, Prepared};
 use crate::cli::Dlt3dArgs;
 use crate::failure::Failure;
@@ -12,13 +13,14 @@ use crate::formats::calibration_points;
 /// Runs `calibrate dlt3d`.
 pub(in crate::command) fn run(args: &Dlt3dArgs) -> Result<(), Failure> {
     report::check_date(&args.common.files)?;
-    let (camera, _) = crate::command::read_camera(&args.common.files.camera)?;
+    let (camera, held) = HeldGrids::read(&args.common.files.camera)?;
     let file = calibration_points::field_points(&args.points, &camera)?;
     let mut found = dlt3d(&Dlt3dRequest {
         input: file.input,
         has_sigma: file.has_sigma,
         points: &file.points,
         camera: &camera,
+        grids: held.splines(),
         is_estimated: args.estimate.0,
         keeps_all: args.common.keep_all,
     })?;
@@ -27,6 +29,7 @@ pub(in crate::command) fn run(args: &Dlt3dArgs) -> Result<(), Failure> {
     let prepared = Prepared::of(
         &mut found.result,
         of_method,
+        &held,
         &args.common.files,
         &[&args.points],
         args.common.files.out.as_deref(),

@@ -2,15 +2,15 @@
 
 use std::path::Path;
 
-use fmc_adjustment::grid::calibrated_grid::CalibratedGrid;
 use fmc_adjustment::grid::calibration::{GridCalibration, grid_calibration};
 use fmc_adjustment::grid::request::GridCalibrationRequest;
 use fmc_camera::geometry::grid::GridCarrier;
-use fmc_camera_file::grid_block::{GridEntry, with_grids, without_grids};
-use fmc_camera_file::{CameraFile, GridFiles, InputError, static_block};
+use fmc_camera_file::grid_block::{NamedFiles, without_grids};
+use fmc_camera_file::{CameraFile, GridFiles, InputError};
 use fmc_report::calibration::grid::of_method;
-use fmc_report::calibration::result::of_method::{OfMethod, PageTable};
+use fmc_report::calibration::result::of_method::PageTable;
 
+use super::held_grids::{add_files, with_grids};
 use super::report::{self, Prepared};
 use crate::cli::{GridArgs, GridPart};
 use crate::failure::Failure;
@@ -45,7 +45,9 @@ pub(in crate::command) fn run(args: &GridArgs) -> Result<(), Failure> {
     let mut of_method = of_method(&found).map_err(report::failed)?;
     let tables: Vec<String> = of_method.tables.iter().map(PageTable::text).collect();
     let made = camera_file(&name, &text, &found);
-    let former = add_files(&mut of_method, Some(&found).filter(|_| made.is_ok()));
+    let grids = made.as_ref().map_or(&[][..], |(_, grids)| grids);
+    let former = add_files(&mut of_method, grids);
+    let made = made.map(|(text, _)| text);
     let inputs: [&Path; 1] = [&args.table];
     let folder = args.files.out.as_deref();
     let result = &mut found.result;
@@ -54,46 +56,17 @@ pub(in crate::command) fn run(args: &GridArgs) -> Result<(), Failure> {
     outputs.without(former).write()
 }
 
-/// Adds the files of grids to those of a calibration; returns the names of those that a former
-/// calibration may have left.
-pub(super) fn add_files(of_method: &mut OfMethod, found: Option<&GridCalibration>) -> Vec<String> {
-    let grids = found.map_or(&[][..], |found| &found.grids);
-    let files = grids.iter();
-    let files = files.map(|grid| (grid.file_name().to_owned(), grid.bytes.clone()));
-    of_method.files.extend(files);
-    [GridCarrier::Lens, GridCarrier::Sensor]
-        .map(CalibratedGrid::file_name_of)
-        .into_iter()
-        .filter(|name| grids.iter().all(|grid| grid.file_name() != *name))
-        .map(str::to_owned)
-        .collect()
-}
-
-/// Returns the text of the camera file with polynomial and grids, which a camera accepts.
+/// Returns the text of the camera file with polynomial and grids, which a camera accepts, and the
+/// files of the grids.
 pub(super) fn camera_file(
     name: &str,
     text: &str,
     found: &GridCalibration,
-) -> Result<String, InputError> {
-    let text = static_block::with_calibration(name, text, &found.result.calibrated)?;
-    let (_, camera) = CameraFile::parse(name, &text)?;
+) -> Result<(String, NamedFiles), InputError> {
     let bytes = |carrier: GridCarrier| {
         let grid = found.grids.iter().find(|grid| grid.carrier == carrier);
         grid.map(|grid| grid.bytes.clone())
     };
-    GridFiles::new(bytes(GridCarrier::Lens), bytes(GridCarrier::Sensor))
-        .grids(camera.calibration())
-        .map_err(|refusal| {
-            InputError::invalid(format!("{name} with the calibration: [grid]: {refusal}"))
-        })?;
-    let entries: Vec<GridEntry> = found
-        .grids
-        .iter()
-        .map(|grid| GridEntry {
-            key: grid.key(),
-            file: grid.file_name().to_owned(),
-            crc32: grid.crc32(),
-        })
-        .collect();
-    with_grids(name, &text, &entries)
+    let grids = GridFiles::new(bytes(GridCarrier::Lens), bytes(GridCarrier::Sensor));
+    with_grids(name, text, &found.result.calibrated, &grids)
 }

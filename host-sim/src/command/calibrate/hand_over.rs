@@ -57,11 +57,13 @@ fn block(calibration: &BundleCalibration, camera: &CameraFile) -> HandOver {
     for observed in used.filter(|observed| solution.layout.uses(observed)) {
         let setting = network.images.get(observed.image);
         let setting = setting.and_then(|image| image.stage.as_ref());
-        let ideal = interior.corrected(stage.reduced_point(setting, observed.measured_mm));
+        let point = stage.reduced_point(setting, observed.measured_mm);
+        let [of_grids_x, of_grids_y] = observed.by_grids_mm;
+        let ideal = interior.corrected(point);
         if let Some(image) = images.get_mut(observed.image) {
             image.points.push(CorrectedPoint {
                 point: observed.point,
-                corrected_mm: [x0 + ideal.x, y0 + ideal.y],
+                corrected_mm: [x0 + ideal.x - of_grids_x, y0 + ideal.y - of_grids_y],
                 sigma_mm: observed.sigma_mm,
             });
         }

@@ -15,6 +15,7 @@ use serde_json::{Map, json};
 
 use super::flight_records::WithRecords;
 use super::hand_over;
+use super::held_grids::HeldGrids;
 use super::report::{self, Prepared};
 use crate::cli::{BundleArgs, NetworkArgs, ResectionArgs};
 use crate::failure::{Failure, note};
@@ -39,7 +40,7 @@ fn run(
     let records_path = bundle.and_then(|args| args.records.as_deref());
     let formats = bundle.map_or(&[][..], |args| &args.export);
     report::check_date(&args.common.files)?;
-    let (camera, _) = crate::command::read_camera(&args.common.files.camera)?;
+    let (camera, held) = HeldGrids::read(&args.common.files.camera)?;
     let (image_points, image_file) = network_tables::image_points(&args.image_points, &camera)?;
     let (object_points, object_file) = network_tables::object_points(&args.points)?;
     let mut inputs: Vec<InputFile> = vec![image_file, object_file];
@@ -52,7 +53,7 @@ fn run(
     inputs.extend(images.iter().map(|(_, file)| file.clone()));
     inputs.extend(bars.iter().map(|(_, file)| file.clone()));
     let records = records_path
-        .map(|path| flight_records_file::read(path, &camera))
+        .map(|path| flight_records_file::read(path, &camera, held.splines()))
         .transpose()?;
     inputs.extend(records.iter().map(|(_, file)| file.clone()));
     let mut tables = NetworkTables {
@@ -61,7 +62,8 @@ fn run(
         images: images.map(|(table, _)| table),
         scale_bars: bars.map(|(table, _)| table),
         stages: HashMap::new(),
-    };
+    }
+    .with_grids(held.splines());
     if method == "resection" {
         check_all_known(&tables)?;
     }
@@ -115,7 +117,8 @@ fn run(
     }
     let text: Vec<String> = of_method.tables.iter().map(PageTable::text).collect();
     let folder = args.common.files.out.as_deref();
-    let prepared = Prepared::of(&mut result, of_method, &args.common.files, &files, folder)?;
+    let common = &args.common.files;
+    let prepared = Prepared::of(&mut result, of_method, &held, common, &files, folder)?;
     report::print(&result, &text)?;
     prepared.write()
 }

@@ -5,11 +5,12 @@ use std::path::Path;
 
 use fmc_adjustment::calibration::failure::CalibrationFailure;
 use fmc_adjustment::calibration::result::CalibrationResult;
-use fmc_camera_file::{InputError, static_block};
+use fmc_camera_file::InputError;
 use fmc_report::calibration::result::files::{self, FilesError};
 use fmc_report::calibration::result::of_method::OfMethod;
 use fmc_report::calibration::result::table;
 
+use super::held_grids::{HeldGrids, add_files};
 use super::{CalibratedCamera, Outputs};
 use crate::cli::CalibrationFiles;
 use crate::failure::Failure;
@@ -58,18 +59,28 @@ impl Prepared {
     /// Prepares the files of a calibration; those of `--out`, if there is a folder.
     ///
     /// There is no camera file if the parameters are no usable camera: a warning of the result
-    /// says why.
+    /// says why. One with residual grids that were held names copies of them.
     pub(super) fn of(
         result: &mut CalibrationResult,
-        of_method: OfMethod,
+        mut of_method: OfMethod,
+        held: &HeldGrids,
         args: &CalibrationFiles,
         observations: &[&Path],
         folder: Option<&Path>,
     ) -> Result<Self, Failure> {
         let text = camera_text(&args.camera)?;
         let file = args.camera.display().to_string();
-        let made = static_block::with_calibration(&file, &text, &result.calibrated);
-        Self::with_camera(result, of_method, made, args, observations, folder)
+        let made = held.camera_file(&file, &text, &result.calibrated);
+        held.state(result, &mut of_method);
+        let copies = made.as_ref().map_or(&[][..], |(_, copies)| copies);
+        let former = if held.is_empty() {
+            Vec::new()
+        } else {
+            add_files(&mut of_method, copies)
+        };
+        let made = made.map(|(text, _)| text);
+        let prepared = Self::with_camera(result, of_method, made, args, observations, folder)?;
+        Ok(prepared.without(former))
     }
 
     /// Prepares the files of a calibration whose camera file is made already, or cannot be.

@@ -33,6 +33,8 @@ pub(in crate::command_line) struct Flight {
     pub(in crate::command_line) corrections: Vec<FrameCorrection>,
     /// c̄ of each, mm.
     pub(in crate::command_line) centroids_mm: Vec<f32>,
+    /// κ of each.
+    pub(in crate::command_line) enlargements: Vec<f32>,
 }
 
 pub(super) fn flight() -> Flight {
@@ -41,10 +43,21 @@ pub(super) fn flight() -> Flight {
 
 /// Returns the flight of a camera with this file.
 pub(in crate::command_line) fn flight_of(text: &str) -> Flight {
+    flight_with(text, &[])
+}
+
+/// Returns the flight of a camera whose file names these residual grids; the corrections are those
+/// of its polynomial.
+pub(in crate::command_line) fn flight_with(text: &str, grids: &[(&str, &[u8])]) -> Flight {
     let bench = Bench::with(text, b"");
-    let (file, camera) = CameraFile::parse("camera.toml", text).unwrap();
-    let crc = FrameCamera::new("camera.toml", &file).unwrap().crc();
-    let (mut flown, mut corrections, mut centroids_mm) = (Vec::new(), Vec::new(), Vec::new());
+    for (name, bytes) in grids {
+        fs::write(bench.path(name), bytes).unwrap();
+    }
+    let (file, _, grids) = CameraFile::read_with_grids(&bench.path("camera.toml")).unwrap();
+    let camera = FrameCamera::with_grids("camera.toml", &file, grids).unwrap();
+    let (crc, camera) = (camera.crc(), camera.camera());
+    let (mut flown, mut corrections) = (Vec::new(), Vec::new());
+    let (mut centroids_mm, mut enlargements) = (Vec::new(), Vec::new());
     for sequence in 1_u16..=8 {
         let number = f32::from(sequence);
         let exposure = Exposure {
@@ -59,6 +72,7 @@ pub(in crate::command_line) fn flight_of(text: &str) -> Flight {
         let frame = camera.frame_of(&exposure, &motion).unwrap();
         corrections.push(frame.correction);
         centroids_mm.push(motion.centroid_mm);
+        enlargements.push(frame.interior.enlargement);
         let time = Time::from_us(1_000_000 * u64::from(sequence));
         let exposed = ExposedFrame {
             opened: time,
@@ -111,6 +125,7 @@ pub(in crate::command_line) fn flight_of(text: &str) -> Flight {
         bench,
         corrections,
         centroids_mm,
+        enlargements,
     }
 }
 

@@ -2,6 +2,7 @@
 
 mod arrays;
 pub(super) mod flight;
+mod gridded;
 mod lists;
 mod orientations;
 mod parquet;

@@ -1,5 +1,6 @@
 //! Homography between a plane target and its image.
 
+use fmc_reference::residual_splines::ResidualSplines;
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
 use super::super::least_squares::{Linearised, Model};
@@ -81,7 +82,8 @@ fn from_eight(eight: &SVector<f64, EIGHT>) -> Matrix3<f64> {
 /// Homography and distortion of the moment, with the targets.
 ///
 /// # Model
-/// v = measured - D(measured) - H(X), D the distortion about the camera's principal point.
+/// v = measured - D(measured) - G(measured) - H(X), D the distortion about the camera's principal
+/// point, G what its residual grids add.
 #[derive(Debug, Clone)]
 pub(super) struct Imaged<'a> {
     pub(super) homography: Matrix3<f64>,
@@ -89,6 +91,7 @@ pub(super) struct Imaged<'a> {
     pub(super) lens: Pinhole,
     /// K0, B1, B2, which are held.
     pub(super) held: [f64; 3],
+    pub(super) grids: &'a ResidualSplines,
     pub(super) pairs: &'a [Pair],
     pub(super) is_estimated: [bool; 5],
 }
@@ -128,7 +131,11 @@ impl Model<2> for Imaged<'_> {
         let [xr, yr] = [x - x0, y - y0];
         let ([dx, dy], _) = self.lens.radial_and_decentring([xr, yr]);
         let [k0, b1, b2] = self.held;
-        let [dx, dy] = [dx + (k0 + b1) * xr + b2 * yr, dy + k0 * yr];
+        let [of_grids_x, of_grids_y] = self.grids.calibrated(pair.measured_mm);
+        let [dx, dy] = [
+            dx + (k0 + b1) * xr + b2 * yr + of_grids_x,
+            dy + k0 * yr + of_grids_y,
+        ];
         let mut by_x = vec![-a, -b, -one, 0.0, 0.0, 0.0, u * a, u * b];
         let mut by_y = vec![0.0, 0.0, 0.0, -a, -b, -one, v * a, v * b];
         let coefficients = Pinhole::by_coefficients([xr, yr]);

@@ -7,6 +7,7 @@ mod outcome;
 pub mod request;
 
 use fmc_camera_file::InputError;
+use fmc_reference::residual_splines::ResidualSplines;
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
 use super::dlt3d::COEFFICIENT_NAMES;
@@ -23,7 +24,8 @@ use request::Dlt2dRequest;
 /// # Model
 /// S3 and `docs/calibration.md`: the table is measured - ideal, ideal by the homography through
 /// four corners, or by least squares of all targets. The camera file keeps f and (x0, y0); its
-/// polynomial is adjusted together with a homography of its own.
+/// polynomial is adjusted together with a homography of its own, beside its residual grids, which
+/// are held. The table is of the whole distortion, grids included.
 ///
 /// # Errors
 /// [`CalibrationFailure`] naming targets on a line, collinear corners, a mirror image, or unknowns
@@ -63,6 +65,7 @@ pub fn dlt2d(request: &Dlt2dRequest<'_>) -> Result<Dlt2d, CalibrationFailure> {
         homography: linear,
         lens,
         held: [held.k0, held.b1, held.b2],
+        grids: request.grids,
         pairs: &pairs,
         is_estimated: request.is_estimated,
     };
@@ -79,6 +82,7 @@ pub fn dlt2d(request: &Dlt2dRequest<'_>) -> Result<Dlt2d, CalibrationFailure> {
                 ..lens
             },
             held: [0.0; 3],
+            grids: &ResidualSplines::NONE,
             is_estimated: [false; 5],
             ..model.clone()
         };

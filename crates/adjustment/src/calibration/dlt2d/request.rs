@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use fmc_camera_file::CameraFile;
+use fmc_reference::residual_splines::ResidualSplines;
 
 use crate::calibration::result::InputFile;
 
@@ -34,6 +35,8 @@ pub struct Dlt2dRequest<'a> {
     pub targets: &'a [PlaneTarget],
     /// Camera file: its f and principal point are kept.
     pub camera: &'a CameraFile,
+    /// Its residual grids, which are held; empty for a camera without.
+    pub grids: &'a ResidualSplines,
     /// Names of the four targets whose distortion is set to zero; `None` takes all targets.
     pub corners: Option<&'a [String; 4]>,
     /// Coefficients of the camera file that are estimated: K1, K2, K3, P1, P2.

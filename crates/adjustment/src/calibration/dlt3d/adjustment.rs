@@ -12,6 +12,8 @@ pub(super) const COEFFICIENTS: usize = 5;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Pair {
     pub(super) measured_mm: [f64; 2],
+    /// Distortion that the residual grids of the camera file add at it, mm.
+    pub(super) by_grids_mm: [f64; 2],
     pub(super) sigma_mm: f64,
     /// From the mean of all points, m.
     pub(super) object_m: Vector3<f64>,
@@ -47,7 +49,7 @@ impl Model<2> for Resected<'_> {
     }
 
     /// # Model
-    /// With u = radial and decentring distortion + collinearity,
+    /// With u = radial and decentring distortion + residual grids + collinearity,
     /// `v_x = x̄ - (u_x + B2·u_y)/(1 - B1)`, `v_y = ȳ - u_y`: the corrected point less the
     /// collinearity point, in the scale of the measured coordinates.
     fn linearised(&self, index: usize) -> Option<Linearised<2>> {
@@ -65,7 +67,8 @@ impl Model<2> for Resected<'_> {
         let f = camera.principal_distance_mm;
         let scale = -f / direction.z;
         let [ix, iy] = [scale * direction.x, scale * direction.y];
-        let [ux, uy] = [dx + ix, dy + iy];
+        let [of_grids_x, of_grids_y] = pair.by_grids_mm;
+        let [ux, uy] = [dx + of_grids_x + ix, dy + of_grids_y + iy];
         let [b1, b2] = camera.affinity;
         let stretch = (1.0 - b1).recip();
         // Derivatives of u by an unknown, carried to the residual.
@@ -142,6 +145,7 @@ mod tests {
         };
         let pairs = [Pair {
             measured_mm: [17.0, -11.0],
+            by_grids_mm: [0.03, -0.02],
             sigma_mm: 1e-3,
             object_m: Vector3::new(1.7, -1.3, 0.4),
         }];

@@ -7,6 +7,7 @@ pub mod pinhole;
 use std::sync::Arc;
 
 use fmc_camera_file::{CameraFile, InputError};
+use fmc_reference::residual_splines::ResidualSplines;
 use nalgebra::{DMatrix, Vector3};
 
 use adjustment::{COEFFICIENTS, Pair, Resected};
@@ -63,6 +64,8 @@ pub struct Dlt3dRequest<'a> {
     pub points: &'a [FieldPoint],
     /// Camera file; its distortion is held where it is not estimated, without K0, B1 and B2.
     pub camera: &'a CameraFile,
+    /// Its residual grids, which are held; empty for a camera without.
+    pub grids: &'a ResidualSplines,
     /// Coefficients that are estimated, in the order of [`COEFFICIENT_NAMES`].
     pub is_estimated: [bool; COEFFICIENTS],
     /// `true` if no point is rejected as a gross error.
@@ -85,7 +88,8 @@ pub struct Dlt3d {
 /// # Model
 /// S1, section 4.1, and `docs/calibration.md`: the homogeneous linear solution, then Gauss-Newton
 /// for f, x0, y0, B1, B2, position and attitude together with the coefficients asked for. The
-/// distortion is that of the measured point about the principal point of the moment.
+/// distortion is that of the measured point about the principal point of the moment; what the
+/// residual grids of the camera file add at the measured point is held.
 ///
 /// # Errors
 /// [`CalibrationFailure`] naming the configuration of points that has no solution, or the unknowns
@@ -112,6 +116,7 @@ pub fn dlt3d(request: &Dlt3dRequest<'_>) -> Result<Dlt3d, CalibrationFailure> {
         .iter()
         .map(|point| Pair {
             measured_mm: point.measured_mm,
+            by_grids_mm: request.grids.calibrated(point.measured_mm),
             sigma_mm: point.sigma_mm,
             object_m: Vector3::from(point.object_m) - mean,
         })
@@ -163,9 +168,9 @@ fn start(
     let corrected: Vec<[f64; 2]> = pairs
         .iter()
         .map(|pair| {
-            let [x, y] = pair.measured_mm;
+            let ([x, y], [of_grids_x, of_grids_y]) = (pair.measured_mm, pair.by_grids_mm);
             let ([dx, dy], _) = lens.radial_and_decentring([x - x0, y - y0]);
-            [x - dx, y - dy]
+            [x - dx - of_grids_x, y - dy - of_grids_y]
         })
         .collect();
     let matrix = linear::projection(&corrected, &objects)?;

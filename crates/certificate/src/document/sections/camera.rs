@@ -167,6 +167,10 @@ fn calibration(line: &CalibrationLine) -> Block {
         pair("gross errors rejected", count(line.rejected)),
         pair("iterations", count(line.iterations)),
     ];
+    if !line.held_grids.is_empty() {
+        let held = line.held_grids.join("; ");
+        pairs.push(pair("residual grids held", held));
+    }
     pairs.extend(
         line.warnings
             .iter()
