@@ -91,7 +91,9 @@ pub struct SceneOptions {
 /// Arguments of `calibrate radiometry`.
 #[derive(Debug, Args)]
 pub struct RadiometryArgs {
-    /// Folder with `flats/ID_NN.tif` and `darks/ID_NN.tif` of every sub-image ID.
+    /// Folder with `flats/ID_NN.tif` and `darks/ID_NN.tif` of every sub-image ID, NN being the set
+    /// that all sub-images share. Optional `flats/levels.csv`: `set,exposure_s`, and `irradiance` in
+    /// any unit where the source changed; with it linearity is told.
     #[arg(value_name = "DIR")]
     pub frames: PathBuf,
     /// Rig file (TOML): ids, sizes and places of the sub-images.
@@ -132,8 +134,8 @@ pub struct RigArgs {
     /// Ties (CSV): `id,image,col_px,row_px`, one id in two images; optional `exposure`.
     #[arg(long, value_name = "FILE")]
     pub ties: Option<PathBuf>,
-    /// Folder for rig.toml with the polynomials, residuals.csv, residuals.svg and summary.json;
-    /// made if it does not exist.
+    /// Folder for rig.toml with the polynomials, correlations.csv, residuals.csv, residuals.svg and
+    /// summary.json; made if it does not exist.
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
     /// Project control with its height by the orientation of its exposure, or lead to X, Y of the
@@ -187,6 +189,10 @@ pub struct VirtualArgs {
     /// Pixels on either side of a seam within which two sub-images are mixed.
     #[arg(long, value_name = "PX", default_value = "5", value_parser = clap::value_parser!(u8).range(0..=64), help_heading = ADVANCED)]
     pub feather: u8,
+    /// Largest memory, MiB: all sub-images of an exposure and the virtual image are held, 8 bytes
+    /// of a pixel.
+    #[arg(long, value_name = "MIB", default_value = "4096", value_parser = clap::value_parser!(u32).range(1..), help_heading = ADVANCED)]
+    pub memory: u32,
 }
 
 /// Order of rectification and mosaic.

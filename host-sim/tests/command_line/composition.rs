@@ -1,6 +1,8 @@
 //! Cameras of several detectors: `scene`, `calibrate radiometry`, `calibrate rig`, `virtual`,
 //! `stereo`, `dmz`.
 
+mod refused;
+
 use std::fmt::Write as _;
 use std::fs;
 
@@ -33,12 +35,6 @@ const RIG: [&str; 8] = [
     "rig",
 ];
 
-/// Replaces the file by what a change makes of its text.
-fn change(bench: &Bench, path: &str, change: impl Fn(&str) -> String) {
-    let text = fs::read_to_string(bench.path(path)).unwrap();
-    fs::write(bench.path(path), change(&text)).unwrap();
-}
-
 #[test]
 fn scene_becomes_a_virtual_image_by_radiometry_and_rig() {
     let bench = bench();
@@ -52,7 +48,31 @@ fn scene_becomes_a_virtual_image_by_radiometry_and_rig() {
         "scene",
     ];
     let answer = bench.run(&radiometry).ok();
-    assert!(answer.stdout.contains("PRNU"), "{}", answer.stdout);
+    for name in [
+        "PRNU1288, %",
+        "DSNU1288, e-",
+        "μ_e.sat",
+        "σ_d",
+        "LE, %",
+        "DR, dB",
+        "K, DN/e-",
+    ] {
+        assert!(answer.stdout.contains(name), "{name}: {}", answer.stdout);
+    }
+    assert!(
+        !answer.stdout.contains("Not determined: linearity"),
+        "{}",
+        answer.stdout
+    );
+    let found = summary(&bench, "rad/radiometry.json");
+    for sub in found["sub"].as_array().unwrap() {
+        let linearity = &sub[1]["linearity"];
+        assert_eq!(linearity["sets"], 19, "{sub}");
+        // Noise of a set's mean over 100,000 pixels: below 0.01 %.
+        assert!(linearity["error_percent"].as_f64().unwrap() < 0.01, "{sub}");
+        let electrons = sub[1]["temporal_dark_noise_e"].as_f64().unwrap();
+        assert!((19.0..21.0).contains(&electrons), "{sub}");
+    }
     let answer = bench.run(&[&RIG[..], &["scene/control.csv"]].concat()).ok();
     assert!(
         answer.stdout.contains("kept nominal: mean place"),
@@ -65,6 +85,9 @@ fn scene_becomes_a_virtual_image_by_radiometry_and_rig() {
         "{found}"
     );
     assert_eq!(found["sub"].as_array().unwrap().len(), 6);
+    let correlations = fs::read_to_string(bench.path("rig/correlations.csv")).unwrap();
+    // Every two of 2 x 10 coefficients of six sub-images.
+    assert_eq!(correlations.lines().count(), 1 + 6 * 190);
     let arguments = [
         "virtual",
         "--rig",
@@ -126,105 +149,6 @@ fn scene_becomes_a_virtual_image_by_radiometry_and_rig() {
     assert!(found["seam_step_px"].as_f64().unwrap() > 0.4, "{found}");
 }
 
-#[test]
-fn control_and_ties_that_are_wrong_are_named() {
-    let bench = bench();
-    let control = fs::read_to_string(bench.path("scene/control.csv")).unwrap();
-    let rows: Vec<&str> = control.lines().collect();
-    let refused = |text: &str, words: &[&str]| {
-        fs::write(bench.path("wrong.csv"), text).unwrap();
-        bench
-            .run(&[&RIG[..], &["wrong.csv"]].concat())
-            .refused(words);
-        assert!(!bench.path("rig").exists(), "nothing is written");
-    };
-    let first: Vec<&str> = rows[1].split(',').collect();
-    let with = |column: usize, value: &str| {
-        let mut cells = first.clone();
-        cells[column] = value;
-        control.replacen(rows[1], &cells.join(","), 1)
-    };
-    refused(
-        &with(3, "9999"),
-        &["wrong.csv, line 2", "outside sub-image", "allowed"],
-    );
-    let decimal = format!("{}", 10.0 * first[6].parse::<f64>().unwrap() + 700.0);
-    refused(
-        &with(6, &decimal),
-        &["wrong.csv, line 2", first[0], "px from where"],
-    );
-    refused(&format!("{control}{}\n", rows[1]), &["appears twice"]);
-    refused(&with(2, "7"), &["image = 7", "allowed: 1, 2, 3, 4, 5, 6"]);
-    refused(&with(5, "nan"), &["x_m"]);
-    refused(rows[0], &["no control point"]);
-    change(&bench, "scene/ties.csv", |text| {
-        let mut lines: Vec<&str> = text.lines().collect();
-        lines.remove(2);
-        lines.join("\n")
-    });
-    refused(&control, &["ties.csv, line 2", "in one image only"]);
-}
-
-#[test]
-fn images_that_are_missing_or_say_nothing_are_named() {
-    let bench = bench();
-    bench.run(&[&RIG[..], &["scene/control.csv"]].concat()).ok();
-    let virtual_image = [
-        "virtual",
-        "--rig",
-        "rig/rig.toml",
-        "--out",
-        "out",
-        "scene/8_10",
-    ];
-    let nominal = [
-        "virtual",
-        "--rig",
-        "scene/rig.toml",
-        "--out",
-        "out",
-        "scene/8_10",
-    ];
-    bench.run(&nominal).refused(&["rig.toml", "no polynomial"]);
-    let green = bench.path("scene/8_10/green.tif");
-    let kept = fs::read(&green).unwrap();
-    // Of the header of this writer, the pixels stand behind the first 8 bytes.
-    let mut flat = kept.clone();
-    let end = flat.len() - 1000;
-    flat[8..end].fill(30);
-    fs::write(&green, &flat).unwrap();
-    bench
-        .run(&virtual_image)
-        .refused(&["green.tif", "do not match"]);
-    fs::write(&green, &kept[..400]).unwrap();
-    bench.run(&virtual_image).refused(&["green.tif"]);
-    fs::write(&green, &kept).unwrap();
-    fs::copy(
-        bench.path("scene/8_10/green.tif"),
-        bench.path("scene/8_10/4.tif"),
-    )
-    .unwrap();
-    bench
-        .run(&virtual_image)
-        .refused(&["4.tif", "allowed: 256 x 448 px"]);
-    fs::remove_file(bench.path("scene/8_10/4.tif")).unwrap();
-    bench
-        .run(&virtual_image)
-        .refused(&["4.tif", "cannot be read"]);
-    fs::remove_file(bench.path("scene/darks/3_00.tif")).unwrap();
-    let radiometry = [
-        "calibrate",
-        "radiometry",
-        "--rig",
-        "scene/rig.toml",
-        "--out",
-        "rad",
-        "scene",
-    ];
-    bench.run(&radiometry).refused(&["darks", "no 3_NN.tif"]);
-    assert!(!bench.path("out").exists() && !bench.path("rad").exists());
-}
-
 /// Marks of both true virtual images, as `stereo` reads them.
 fn marks_of_the_truth(request: SceneRequest) -> String {
     let scene = Scene::new(request);
@@ -255,6 +179,12 @@ fn publication_is_repeated_within_its_limits_and_true_virtual_images_are_a_stere
         assert_eq!(check["passed"], true, "{check}");
         assert!(check["found"].as_f64().unwrap() > 0.0, "{check}");
     }
+    let up_to_date = fs::read_to_string(bench.path("dmz/figure.svg")).unwrap()
+        == include_str!("../../../docs/figures/dmz.svg");
+    assert!(
+        up_to_date,
+        "docs/figures/dmz.svg is out of date: copy it from the folder of this dmz"
+    );
     let marks = marks_of_the_truth(SceneRequest {
         scale: 16,
         seed: 3,

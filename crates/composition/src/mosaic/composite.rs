@@ -18,6 +18,21 @@ pub struct Composite {
     pub labels: Vec<u8>,
 }
 
+/// Memory, bytes, that the images of an exposure take at most from reading to the composite:
+/// sub-images, their layers with labels, and the virtual image with labels.
+#[must_use]
+pub fn memory_bytes(rig: &Rig) -> u64 {
+    let pixels = |width: usize, height: usize| (width as u64).saturating_mul(height as u64);
+    let of_subs = rig
+        .sub
+        .iter()
+        .map(|sub| pixels(sub.width_px, sub.height_px));
+    let of_subs = of_subs.fold(0, u64::saturating_add);
+    let of_frame = pixels(rig.frame.width_px, rig.frame.height_px);
+    let of_subs = of_subs.saturating_mul(5);
+    of_subs.saturating_add(of_frame.saturating_mul(3))
+}
+
 /// Direction along which a seam is monotone.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Along {
@@ -82,12 +97,16 @@ fn join(a: &Composite, b: &Composite, along: Along, feather_px: usize) -> Compos
         Along::Columns => (sides[0], sides[1]),
     };
     let seam = seam(a, b, along, low, [rows, columns], feather_px);
-    let width = end[0] - first[0];
-    let pixels: Vec<(u16, u8)> = (first[1]..end[1])
-        .into_par_iter()
-        .flat_map_iter(|row| {
-            let seam = &seam;
-            (first[0]..end[0]).map(move |col| {
+    let [width, height] = [end[0] - first[0], end[1] - first[1]];
+    let mut values = vec![0; width * height];
+    let mut labels = vec![0; width * height];
+    let rows = values
+        .par_chunks_mut(width.max(1))
+        .zip(labels.par_chunks_mut(width.max(1)));
+    rows.zip(first[1]..end[1])
+        .for_each(|((values, labels), row)| {
+            let slots = values.iter_mut().zip(labels).zip(first[0]..end[0]);
+            for ((value, label), col) in slots {
                 let (line, place, [low_line, low_place]) = match along {
                     Along::Rows => (row, col, [low[1], low[0]]),
                     Along::Columns => (col, row, [low[0], low[1]]),
@@ -102,12 +121,10 @@ fn join(a: &Composite, b: &Composite, along: Along, feather_px: usize) -> Compos
                 let at = inside.or(nearest).copied().unwrap_or(0);
                 let distance = real(place) - real(low_place + at) + 0.5;
                 let weight = 0.5 + distance / (2.0 * real(feather_px.max(1)));
-                blended(a, b, [col, row], weight.clamp(0.0, 1.0), feather_px == 0)
-            })
-        })
-        .collect();
-    let (values, labels): (Vec<u16>, Vec<u8>) = pixels.into_iter().unzip();
-    let height = end[1] - first[1];
+                let is_hard = feather_px == 0;
+                (*value, *label) = blended(a, b, [col, row], weight.clamp(0.0, 1.0), is_hard);
+            }
+        });
     Composite {
         layer: Layer {
             first_px: first,
@@ -195,6 +212,10 @@ impl Composite {
 
     /// Returns the composite over the whole frame.
     fn in_frame(self, frame: VirtualSize) -> Self {
+        if self.layer.first_px == [0, 0] && self.layer.end_px() == [frame.width_px, frame.height_px]
+        {
+            return self;
+        }
         let plane = Plane::of_rows(frame.width_px, frame.height_px, |row| {
             (0..frame.width_px)
                 .map(|col| self.layer.at(col, row))

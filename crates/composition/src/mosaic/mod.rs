@@ -8,7 +8,7 @@ pub mod registration;
 mod seam;
 mod steps;
 
-pub use composite::{Composite, compose};
+pub use composite::{Composite, compose, memory_bytes};
 pub use geometry::Geometry;
 pub use green::{GreenMatch, green_pairs};
 pub use layer::Layer;

@@ -51,9 +51,12 @@ pub fn steps(layers: &[Layer]) -> Vec<SeamStep> {
                 *low = a0.max(b0);
                 *side = a1.min(b1).saturating_sub(*low);
             }
+            // Neighbours that touch at a corner have no seam: along an edge at least half of the
+            // smaller one overlaps.
             let [width, height] = sides;
-            // Neighbours that touch at a corner have no seam.
-            if width.max(height) > 3 * width.min(height) && width.min(height) > 0 {
+            let is_edge = 2 * width >= a.plane.width().min(b.plane.width())
+                || 2 * height >= a.plane.height().min(b.plane.height());
+            if is_edge && width.min(height) > 0 {
                 found.push(step(a, b, [first, second], low, sides));
             }
         }

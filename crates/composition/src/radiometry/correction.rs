@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use crate::image::Plane;
 use crate::number::grey;
 
-/// Units of a DN in a file of offsets.
+/// Units of a DN in a file of offsets, at most; fewer where offsets are large.
 pub const OFFSET_UNIT: f64 = 8.0;
 /// Value of an offset of 0 DN in a file of offsets.
 pub const OFFSET_ZERO: f64 = 32_768.0;
@@ -26,16 +26,24 @@ pub struct Correction {
 }
 
 impl Correction {
-    /// Returns the correction from files of offsets and gains; `None` unless all have one size.
+    /// Returns the correction from files of offsets, with the units of a DN, and gains; `None`
+    /// unless all have one size.
     #[must_use]
-    pub fn of_files(offsets: &Plane, gains: &Plane, defects: Vec<[usize; 2]>) -> Option<Self> {
+    pub fn of_files(
+        offsets: &Plane,
+        offset_unit: f64,
+        gains: &Plane,
+        defects: Vec<[usize; 2]>,
+    ) -> Option<Self> {
+        let offset =
+            |value: u16| crate::number::single((f64::from(value) - OFFSET_ZERO) / offset_unit);
         let alike = [offsets.width(), offsets.height()] == [gains.width(), gains.height()];
         alike.then(|| Self {
             width: offsets.width(),
             offset_dn: offsets
                 .values()
                 .iter()
-                .map(|value| crate::number::single((f64::from(*value) - OFFSET_ZERO) / OFFSET_UNIT))
+                .map(|value| offset(*value))
                 .collect(),
             gain: gains
                 .values()
@@ -46,15 +54,36 @@ impl Correction {
         })
     }
 
-    /// Returns a row of the file of offsets.
+    /// Returns the units of a DN in which all offsets fit into a file: the largest power of two up
+    /// to [`OFFSET_UNIT`]. Defective pixels do not count.
     #[must_use]
-    pub fn offset_row(&self, row: usize) -> Vec<f64> {
+    pub fn offset_unit(&self) -> f64 {
+        let mut largest: f64 = 0.0;
+        for (index, offset) in self.offset_dn.iter().enumerate() {
+            let size = f64::from(offset.abs());
+            if size > largest {
+                let place = [index % self.width.max(1), index / self.width.max(1)];
+                if !self.defects.contains(&place) {
+                    largest = size;
+                }
+            }
+        }
+        let mut unit = OFFSET_UNIT;
+        while unit * largest > OFFSET_ZERO - 1.0 && unit > 1e-3 {
+            unit /= 2.0;
+        }
+        unit
+    }
+
+    /// Returns a row of the file of offsets in units of a DN.
+    #[must_use]
+    pub fn offset_row(&self, row: usize, unit: f64) -> Vec<f64> {
         let values = self
             .offset_dn
             .iter()
             .skip(row * self.width)
             .take(self.width);
-        let units = values.map(|value| f64::from(*value) * OFFSET_UNIT + OFFSET_ZERO);
+        let units = values.map(|value| f64::from(*value) * unit + OFFSET_ZERO);
         units.map(|units| f64::from(grey(units))).collect()
     }
 

@@ -2,6 +2,7 @@
 
 use fmc_camera_file::InputError;
 
+use super::figures::Linearity;
 use crate::number::real;
 
 /// Sample from which on a pixel of a converter of 14 bits counts as saturated, DN.
@@ -35,6 +36,15 @@ pub struct Levels {
 }
 
 impl Levels {
+    /// Returns the linearity of the detector from the light of each set, in any unit, and the
+    /// signal at saturation, DN.
+    #[must_use]
+    pub fn linearity(&self, light: &[f64], saturation_dn: f64) -> Option<Linearity> {
+        let count = real(self.pixels.max(1));
+        let signals: Vec<f64> = self.sums_dn.iter().map(|sum| sum / count).collect();
+        Linearity::of(light, &signals, saturation_dn)
+    }
+
     /// Returns the level of each set, DN, from the sums of all detectors behind one lens: what one
     /// exposure gave to all of them.
     ///
@@ -151,16 +161,24 @@ pub fn levels<R: SampleRows>(
     Ok(Levels { sums_dn, pixels })
 }
 
-/// Reads the mean of the next row of all darks.
-pub(super) fn dark_row<R: SampleRows>(darks: &mut [R], mean: &mut [f64]) -> Result<(), InputError> {
+/// Reads the mean of the next row of all darks, and returns the sum of the pixels' variances
+/// between them; 0 of one dark.
+pub(super) fn dark_row<R: SampleRows>(
+    darks: &mut [R],
+    mean: &mut [f64],
+) -> Result<f64, InputError> {
     let mut row = vec![0; mean.len()];
+    let mut squares = vec![0.0; mean.len()];
     mean.fill(0.0);
-    let part = 1.0 / real(darks.len().max(1));
+    let count = real(darks.len().max(1));
     for dark in darks {
         dark.read_row(&mut row)?;
-        for (mean, sample) in mean.iter_mut().zip(&row) {
-            *mean += part * f64::from(*sample);
+        for ((mean, square), sample) in mean.iter_mut().zip(&mut squares).zip(&row) {
+            *mean += f64::from(*sample) / count;
+            *square += f64::from(*sample).powi(2);
         }
     }
-    Ok(())
+    let sums = squares.iter().zip(mean.iter());
+    let deviations = sums.map(|(square, mean)| square - count * mean * mean);
+    Ok(deviations.sum::<f64>().max(0.0) / (count - 1.0).max(1.0))
 }

@@ -4,6 +4,7 @@ use fmc_camera_file::InputError;
 
 use super::correction::Correction;
 use super::falloff::{Falloff, Sample, cos_fourth};
+use super::figures::DetectorFigures;
 use super::flats::{SampleRows, dark_row};
 use crate::number::{median, real, single};
 use crate::rig::{Rig, SubImage};
@@ -35,26 +36,11 @@ pub struct Response {
     offset_dn: Vec<f32>,
     slope: Vec<f32>,
     samples: Vec<Sample>,
-    /// Mean of all sets, from the samples that are not saturated.
-    template_dn: Vec<f32>,
+    /// Mean level of all sets, DN: offset + slope x level is their mean.
+    mean_level_dn: f64,
+    /// Deviations of the responses, part of them, and of the offsets, DN, with their noise.
+    spread: [f64; 2],
     figures: DetectorFigures,
-}
-
-/// Figures of a detector, in the terms of EMVA 1288.
-#[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize)]
-pub struct DetectorFigures {
-    /// System gain, DN per electron.
-    pub gain_dn_per_e: f64,
-    /// Noise of reading, DN.
-    pub read_noise_dn: f64,
-    /// Mean offset, DN.
-    pub offset_dn: f64,
-    /// DSNU, DN: deviation of the offsets within blocks.
-    pub dsnu_dn: f64,
-    /// PRNU, percent: deviation of the responses within blocks.
-    pub prnu_percent: f64,
-    /// Defective pixels.
-    pub defects: usize,
 }
 
 /// Finds offset and slope of every pixel of a detector.
@@ -62,8 +48,9 @@ pub struct DetectorFigures {
 /// # Model
 /// `DN = o + s·E`: o the mean of the darks (the dark signal of their exposure time in it), s by
 /// least squares of the unsaturated flats, weighted by 1/E as photon noise asks,
-/// `s = Σ(DN - o)/ΣE`. Gain and noise of reading come from the residuals of all levels, whose
-/// variance is a straight line over the signal (photon transfer).
+/// `s = Σ(DN - o)/ΣE`. The gain comes from the residuals of all levels, whose variance is a
+/// straight line over the signal (photon transfer); dark noise from the darks, or of one dark from
+/// where that line ends.
 ///
 /// # Errors
 /// [`InputError`] naming a set that is not flat, or what the reader refuses.
@@ -82,15 +69,16 @@ pub fn response<R: SampleRows>(
         offset_dn: Vec::with_capacity(count),
         slope: Vec::with_capacity(count),
         samples: Vec::new(),
-        template_dn: Vec::with_capacity(count),
+        mean_level_dn: levels_dn.iter().sum::<f64>() / real(levels_dn.len().max(1)),
+        spread: [0.0; 2],
         figures: DetectorFigures::default(),
     };
-    let mean_level = levels_dn.iter().sum::<f64>() / real(levels_dn.len().max(1));
     let mut transfer = vec![Transfer::default(); flats.len()];
     let mut rows = vec![vec![0_u16; width]; flats.len()];
     let mut dark = vec![0.0; width];
+    let mut dark_variances = 0.0;
     for _ in 0..height {
-        dark_row(darks, &mut dark)?;
+        dark_variances += dark_row(darks, &mut dark)?;
         for (flat, row) in flats.iter_mut().zip(&mut rows) {
             flat.read_row(row)?;
         }
@@ -122,12 +110,19 @@ pub fn response<R: SampleRows>(
             }
             found.offset_dn.push(single(*offset));
             found.slope.push(single(slope));
-            found.template_dn.push(single(offset + slope * mean_level));
         }
     }
     Response::check_flats(flats, &transfer)?;
-    found.photon_transfer(&transfer);
+    let at_zero = found.photon_transfer(&transfer);
+    let dark_variance = if darks.len() > 1 {
+        dark_variances / real(count)
+    } else {
+        at_zero
+    };
     found.samples = found.blocks(rig, sub, height);
+    found.without_noise(&transfer, dark_variance / real(darks.len().max(1)));
+    let signal_dn = f64::from(saturation_dn) - found.figures.dark_dn;
+    found.figures.complete(dark_variance, signal_dn);
     Ok(found)
 }
 
@@ -174,8 +169,8 @@ impl Response {
         Ok(())
     }
 
-    /// Fits the straight line of variance over signal.
-    fn photon_transfer(&mut self, transfer: &[Transfer]) {
+    /// Fits the straight line of variance over signal, and returns the variance without signal.
+    fn photon_transfer(&mut self, transfer: &[Transfer]) -> f64 {
         let sets: Vec<&Transfer> = transfer.iter().filter(|set| set.count > 0.0).collect();
         let count = real(sets.len().max(1));
         let mean = sets.iter().map(|set| set.mean_dn()).sum::<f64>() / count;
@@ -191,7 +186,19 @@ impl Response {
             0.0
         };
         self.figures.gain_dn_per_e = gain;
-        self.figures.read_noise_dn = (variance - gain * mean).max(0.0).sqrt();
+        (variance - gain * mean).max(0.0)
+    }
+
+    /// Takes the temporal noise of offsets, DN², and of slopes off the non-uniformities.
+    fn without_noise(&mut self, transfer: &[Transfer], of_offset: f64) {
+        let signals: f64 = transfer.iter().map(Transfer::mean_dn).sum();
+        let variances: f64 = transfer.iter().map(Transfer::variance).sum();
+        let sets = real(transfer.len());
+        let of_slope = (variances + sets * sets * of_offset) / signals.max(1.0).powi(2);
+        let less = |deviation: f64, variance: f64| (deviation.powi(2) - variance).max(0.0).sqrt();
+        let [slopes, offsets] = self.spread;
+        self.figures.prnu_percent = 100.0 * less(slopes, of_slope);
+        self.figures.dsnu_dn = less(offsets, of_offset);
     }
 
     /// Compares pixels with their blocks: deviations, defects excluded; samples of the falloff.
@@ -236,18 +243,16 @@ impl Response {
             }
         }
         let mean = |values: &[f64]| values.iter().sum::<f64>() / real(values.len().max(1));
-        self.figures.prnu_percent = 100.0 * mean(&of_slope);
-        self.figures.dsnu_dn = mean(&of_offset);
+        self.spread = [mean(&of_slope), mean(&of_offset)];
         let offsets = self.offset_dn.iter().copied().map(f64::from);
-        self.figures.offset_dn = offsets.sum::<f64>() / real(self.offset_dn.len().max(1));
+        self.figures.dark_dn = offsets.sum::<f64>() / real(self.offset_dn.len().max(1));
         samples
     }
 
     /// Columns and rows of pixels that differ from the falloff, or from the median offset of their
     /// surroundings, by more than six standard deviations of their kind.
     fn defects(&self, falloff: &Falloff, field: impl Fn(usize) -> f64) -> Vec<[usize; 2]> {
-        let prnu = (self.figures.prnu_percent / 100.0).max(1e-4);
-        let dsnu = self.figures.dsnu_dn.max(0.1);
+        let [prnu, dsnu] = [self.spread[0].max(1e-4), self.spread[1].max(0.1)];
         // Two taps may have offsets apart: each pixel is compared with those of its own row.
         let around = |list: &[f32], index: usize| {
             let first = index.saturating_sub(BLOCK_PX / 2);
@@ -263,7 +268,7 @@ impl Response {
         let defects = pixels.filter_map(|(index, (slope, offset))| {
             let expected = falloff.on_axis * falloff.at(field(index));
             let response = f64::from(*slope) / expected - 1.0;
-            let by_offset = f64::from(*offset) - self.figures.offset_dn;
+            let by_offset = f64::from(*offset) - self.figures.dark_dn;
             // Only pixels that stand out at all are looked at closely.
             let is_suspect = response.abs() > DEFECT * prnu || by_offset.abs() > DEFECT * dsnu;
             let is_defect = is_suspect && {
@@ -284,7 +289,7 @@ impl Response {
 /// [`InputError`] if the responses together are no falloff: the flats are not flat.
 pub fn correction(
     rig: &Rig,
-    responses: &[Response],
+    responses: Vec<Response>,
     method: Method,
 ) -> Result<(Falloff, Vec<(Correction, DetectorFigures)>), InputError> {
     let samples: Vec<Sample> = responses
@@ -304,26 +309,29 @@ pub fn correction(
     let f_px = rig.principal_distance_px();
     let made = rig.sub.iter().zip(responses).map(|(sub, response)| {
         let [centre_col, centre_row] = sub.centre_px();
+        let width = response.width;
         let field = |index: usize| {
-            let x = sub.place_px[0] + real(index % response.width) - centre_col;
-            let y = sub.place_px[1] + real(index / response.width) - centre_row;
+            let x = sub.place_px[0] + real(index % width) - centre_col;
+            let y = sub.place_px[1] + real(index / width) - centre_row;
             x.hypot(y) / f_px
         };
         let defects = response.defects(&falloff, field);
         let mut figures = response.figures;
         figures.defects = defects.len();
         let correction = match method {
-            Method::OffsetAndGain => Correction {
-                width: response.width,
-                offset_dn: response.offset_dn.clone(),
-                gain: response
-                    .slope
-                    .iter()
-                    .map(|slope| single(f64::from(*slope) / falloff.on_axis))
-                    .collect(),
-                defects,
-            },
-            Method::Template => template(response, &falloff, field),
+            Method::OffsetAndGain => {
+                let mut gain = response.slope;
+                for slope in &mut gain {
+                    *slope = single(f64::from(*slope) / falloff.on_axis);
+                }
+                Correction {
+                    width: response.width,
+                    offset_dn: response.offset_dn,
+                    gain,
+                    defects,
+                }
+            }
+            Method::Template => template(&response, &falloff, field),
         };
         (correction, figures)
     });
@@ -335,8 +343,10 @@ fn template(response: &Response, falloff: &Falloff, field: impl Fn(usize) -> f64
     let lights: Vec<f64> = (0..response.slope.len())
         .map(|index| falloff.at(field(index)))
         .collect();
-    let flat = |(mean, light): (&f32, &f64)| f64::from(*mean) / light;
-    let flats = response.template_dn.iter().zip(&lights).map(flat);
+    let pixels = response.offset_dn.iter().zip(&response.slope);
+    let flats = pixels.zip(&lights).map(|((offset, slope), light)| {
+        (f64::from(*offset) + f64::from(*slope) * response.mean_level_dn) / light
+    });
     let mean = flats.clone().sum::<f64>() / real(lights.len().max(1));
     Correction {
         width: response.width,

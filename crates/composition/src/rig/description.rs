@@ -11,6 +11,9 @@ use crate::number::real;
 /// Largest side of an image, px.
 const LARGEST_PX: usize = 300_000;
 
+/// Largest number of sub-images: a label image has 8 bits, and 0 is without content.
+const LARGEST_COUNT: usize = 255;
+
 /// A camera of several detectors.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -186,6 +189,12 @@ impl Rig {
         if rig.sub.is_empty() {
             return Err(InputError::invalid(format!(
                 "{file}: no [[sub]]; at least one"
+            )));
+        }
+        if rig.sub.len() > LARGEST_COUNT {
+            return Err(InputError::invalid(format!(
+                "{file}: {} [[sub]]; at most {LARGEST_COUNT}",
+                rig.sub.len()
             )));
         }
         for (number, sub) in rig.sub.iter().enumerate() {

@@ -216,10 +216,16 @@ impl Scene {
         place.map_or(0.0, |place| self.ground_dn(exposure, place))
     }
 
-    /// Signal of the ground at a place of the true virtual image, DN.
+    /// Signal of the ground at a place of the true virtual image, DN; 0 beside the ground.
     fn ground_dn(&self, exposure: usize, place: [f64; 2]) -> f64 {
-        let seen = self.ground_seen(exposure, place);
-        seen.map_or(0.0, |place| brightness_dn(self.texture.pan(place)))
+        self.true_dn(exposure, place).unwrap_or(0.0)
+    }
+
+    /// Returns the value of the true virtual image at a place, DN; `None` beside the ground.
+    #[must_use]
+    pub fn true_dn(&self, exposure: usize, place: [f64; 2]) -> Option<f64> {
+        let seen = self.ground_seen(exposure, place)?;
+        Some(brightness_dn(self.texture.pan(seen)))
     }
 
     /// Place of the ground that is seen at a place of the true virtual image, m.

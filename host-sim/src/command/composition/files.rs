@@ -239,8 +239,8 @@ fn read_ties(rig: &Rig, path: &Path, only: Option<&str>) -> Result<Vec<Tie>, Fai
     Ok(ties)
 }
 
-/// Returns the files `ID_NN.tif` of a folder, in the order of NN.
-pub(super) fn sets(folder: &Path, id: &str) -> Result<Vec<PathBuf>, Failure> {
+/// Returns the files `ID_NN.tif` of a folder with NN, in its order.
+pub(super) fn flat_sets(folder: &Path, id: &str) -> Result<Vec<(u32, PathBuf)>, Failure> {
     let entries = std::fs::read_dir(folder).map_err(|error| Failure::reading(folder, &error))?;
     let mut found: Vec<(u32, PathBuf)> = Vec::new();
     for entry in entries {
@@ -264,5 +264,5 @@ pub(super) fn sets(folder: &Path, id: &str) -> Result<Vec<PathBuf>, Failure> {
         )));
     }
     found.sort();
-    Ok(found.into_iter().map(|(_, path)| path).collect())
+    Ok(found)
 }

@@ -38,12 +38,13 @@ pub(in crate::command) fn run(args: &RigArgs) -> Result<(), Failure> {
     let summary = Summary::of(&found, heights);
     let folder = OutputFolder::create(&args.out)?;
     folder.write("residuals.csv", |sink| residuals(&found, sink))?;
+    folder.write("correlations.csv", |sink| correlations(&found, sink))?;
     folder.write("residuals.svg", |sink| sink.write_all(figure.as_bytes()))?;
     folder.write_json("summary.json", &summary)?;
     folder.write("rig.toml", |sink| sink.write_all(text.as_bytes()))?;
     output::write(None, |sink| print(&found, &summary, sink))?;
     note(format_args!(
-        "{}: rig.toml, residuals.csv, residuals.svg, summary.json",
+        "{}: rig.toml, correlations.csv, residuals.csv, residuals.svg, summary.json",
         folder.path().display()
     ));
     Ok(())
@@ -104,8 +105,11 @@ impl Summary {
                     mean_sigma_px: quality.mean_sigma_px,
                     sigma_u_px: quality.sigma_u.clone(),
                     sigma_v_px: quality.sigma_v.clone(),
-                    largest_correlation: quality.correlation.value,
-                    of: quality.correlation.names.clone(),
+                    largest_correlation: quality.largest_correlation().map_or(0.0, |one| one.value),
+                    of: quality
+                        .largest_correlation()
+                        .map(|one| one.names.clone())
+                        .unwrap_or_default(),
                 })
                 .collect(),
             rejected: found
@@ -181,6 +185,17 @@ fn residuals(found: &RigCalibration, sink: &mut dyn Write) -> std::io::Result<()
             "{},{},{image},{kind},{u:.2},{v:.2},{right:.4},{down:.4},{:.4},{}",
             one.id, one.exposure, one.sigma_px, one.accepted
         )?;
+    }
+    Ok(())
+}
+
+fn correlations(found: &RigCalibration, sink: &mut dyn Write) -> std::io::Result<()> {
+    writeln!(sink, "image,first,second,correlation")?;
+    for (sub, quality) in found.rig.sub.iter().zip(&found.subs) {
+        for one in &quality.correlations {
+            let [first, second] = &one.names;
+            writeln!(sink, "{},{first},{second},{:.5}", sub.id, one.value)?;
+        }
     }
     Ok(())
 }

@@ -4,13 +4,16 @@ use std::path::Path;
 
 use fmc_composition::rig::Rig;
 use fmc_composition::rig::control::{ControlPoint, Tie};
-use fmc_composition::scene::{Scene, SceneRequest};
+use fmc_composition::scene::{FULL_SCALE_DN, Scene, SceneRequest};
 use serde::Serialize;
 
 use super::files::write_plane;
 use crate::cli::{DmzSceneArgs, SceneOptions};
 use crate::failure::{Failure, note};
 use crate::formats::output::OutputFolder;
+
+/// Exposure time of a flat whose signal on the axis is the full scale, s.
+const EXPOSURE_S: f64 = 0.01;
 
 /// Runs `scene dmz`.
 pub(in crate::command) fn run(args: &DmzSceneArgs) -> Result<(), Failure> {
@@ -82,6 +85,14 @@ pub(super) fn write(scene: &Scene, folder: &OutputFolder, darks: usize) -> Resul
         let name = format!("virtual_{}.tif", one.name);
         write_plane(&truth.path().join(name), &scene.true_image(exposure))?;
     }
+    flats.write("levels.csv", |sink| {
+        writeln!(sink, "set,exposure_s")?;
+        for set in 0..scene.flats() {
+            let signal_dn = scene.flat_signal_dn(set).unwrap_or_default();
+            writeln!(sink, "{set},{:.6}", signal_dn * EXPOSURE_S / FULL_SCALE_DN)?;
+        }
+        Ok(())
+    })?;
     write_points(scene, folder)?;
     let text = rig_text(&scene.rig, folder.path())?;
     folder.write("rig.toml", |sink| sink.write_all(text.as_bytes()))?;

@@ -1,23 +1,25 @@
 //! `virtual`: the sub-images of an exposure as one image.
 
+use std::borrow::Cow;
 use std::path::Path;
 
 use fmc_composition::image::Plane;
 use fmc_composition::mosaic::registration::{Pair, Registration};
 use fmc_composition::mosaic::{
-    Composite, Geometry, GreenMatch, Layer, SeamStep, compose, green_pairs, steps,
+    Composite, Geometry, GreenMatch, Layer, SeamStep, compose, green_pairs, memory_bytes, steps,
 };
 use fmc_composition::radiometry::{Correction, Method};
 use fmc_composition::rig::control::{Place, Tie};
-use fmc_composition::rig::{Heights, Rig};
+use fmc_composition::rig::{Heights, Rig, SubImage};
 use fmc_composition::rms;
 use fmc_rectification::Resampling;
 use fmc_report::composition::page::{CompositionPage, Section};
 use serde::Serialize;
 
 use super::files::{read_plane, read_rig, write_plane, write_rows};
+use super::preview;
+use super::radiometry::RadiometryFolder;
 use super::scene::write_ties;
-use super::{preview, radiometry};
 use crate::cli::{OrderName, VirtualArgs};
 use crate::failure::{Failure, note};
 use crate::formats::output::{self, OutputFolder};
@@ -28,6 +30,10 @@ const LEAST_GREEN_PART: f64 = 0.2;
 const DEGREE: usize = 3;
 /// Distance of a head from the other, m, for which the parallax is stated.
 const HEAD_DISTANCE_M: f64 = 0.15;
+/// Height, m, and part of it that relief has, for the same.
+const HEAD_HEIGHT_M: f64 = 1000.0;
+const HEAD_RELIEF: f64 = 0.03;
+
 /// An exposure, composed.
 #[derive(Debug)]
 pub(super) struct Composed {
@@ -52,6 +58,27 @@ pub(super) struct Frames {
     pub(super) green: Option<Plane>,
 }
 
+/// Radiometric corrections of the sub-images.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Corrections<'a> {
+    /// Grey values stay as recorded.
+    Without,
+    /// In the order of the rig.
+    Known(&'a [Correction]),
+    /// Read one after the other.
+    Folder(&'a RadiometryFolder),
+}
+
+impl<'a> Corrections<'a> {
+    fn of(self, number: usize, sub: &SubImage) -> Result<Option<Cow<'a, Correction>>, Failure> {
+        Ok(match self {
+            Self::Without => None,
+            Self::Known(list) => list.get(number).map(Cow::Borrowed),
+            Self::Folder(folder) => folder.correction(number, sub)?.map(Cow::Owned),
+        })
+    }
+}
+
 /// Runs `virtual`.
 pub(in crate::command) fn run(args: &VirtualArgs) -> Result<(), Failure> {
     let rig = read_rig(&args.rig)?;
@@ -68,15 +95,16 @@ pub(in crate::command) fn run(args: &VirtualArgs) -> Result<(), Failure> {
             output::check_not_an_input(&args.out.join(name), &input)?;
         }
     }
+    check_memory(&rig, args)?;
     let radiometry = args.radiometry.as_deref();
     let radiometry = radiometry
-        .map(|folder| radiometry::read(&rig, folder))
+        .map(|folder| RadiometryFolder::open(&rig, folder))
         .transpose()?;
-    let (method, corrections) = match radiometry {
-        Some((method, corrections)) => (Some(method), corrections),
-        None => (None, Vec::new()),
-    };
-    let frames = read_frames(&rig, &args.exposure, &corrections)?;
+    let method = radiometry.as_ref().map(|folder| folder.method);
+    let corrections = radiometry
+        .as_ref()
+        .map_or(Corrections::Without, Corrections::Folder);
+    let frames = read_frames(&rig, &args.exposure, corrections)?;
     let choices = Choices {
         order: args.order,
         kernel: args.resample.kernel(),
@@ -107,17 +135,33 @@ pub(in crate::command) fn run(args: &VirtualArgs) -> Result<(), Failure> {
     Ok(())
 }
 
+/// Checks that the images of an exposure, which are all held, fit into the memory that is allowed.
+fn check_memory(rig: &Rig, args: &VirtualArgs) -> Result<(), Failure> {
+    let needed = memory_bytes(rig).div_ceil(1 << 20);
+    if needed > u64::from(args.memory) {
+        return Err(Failure::bad_input(format!(
+            "{}: {} sub-images and a virtual image of {} x {} px need about {needed} MiB of memory; allowed: {} MiB (--memory)",
+            args.rig.display(),
+            rig.sub.len(),
+            rig.frame.width_px,
+            rig.frame.height_px,
+            args.memory
+        )));
+    }
+    Ok(())
+}
+
 /// Reads the images of an exposure and corrects their radiometry.
 pub(super) fn read_frames(
     rig: &Rig,
     folder: &Path,
-    corrections: &[Correction],
+    corrections: Corrections,
 ) -> Result<Frames, Failure> {
     let mut subs = Vec::new();
     for (number, sub) in rig.sub.iter().enumerate() {
         let path = folder.join(format!("{}.tif", sub.id));
         let mut plane = read_plane(&path, sub.size_px())?;
-        match corrections.get(number) {
+        match corrections.of(number, sub)? {
             Some(correction) if !correction.apply(&mut plane) => {
                 return Err(Failure::bad_input(format!(
                     "{}: the radiometry is of another size; calibrate it with the same rig file",
@@ -169,8 +213,7 @@ pub(super) fn compose_frames(
         each.collect()
     };
     let first = geometries(common.as_ref());
-    let (layers, mut composite) = composed(rig, frames, &first, choices)?;
-    let mut found = steps(&layers);
+    let (mut found, mut composite) = composed(rig, frames, &first, choices)?;
     let mut geometry = first;
     let mut green = registered(rig, frames, &composite)?;
     if let Some((_, registration)) = &mut green
@@ -179,8 +222,8 @@ pub(super) fn compose_frames(
     {
         // Zhao et al. 2013: the mosaic of the ground becomes an image by registration to green.
         geometry = geometries(Some(registration));
-        let (layers, joined) = composed(rig, frames, &geometry, choices)?;
-        (found, composite) = (steps(&layers), joined);
+        drop(composite);
+        (found, composite) = composed(rig, frames, &geometry, choices)?;
     }
     let ties = ties(&geometry, &found, exposure);
     Ok(Composed {
@@ -196,7 +239,7 @@ fn composed(
     frames: &Frames,
     geometries: &[Geometry],
     choices: Choices,
-) -> Result<(Vec<Layer>, Composite), Failure> {
+) -> Result<(Vec<SeamStep>, Composite), Failure> {
     let mut layers = Vec::new();
     for ((sub, image), geometry) in rig.sub.iter().zip(&frames.subs).zip(geometries) {
         let layer = Layer::resampled(rig.frame, image, geometry, choices.kernel);
@@ -207,9 +250,10 @@ fn composed(
             ))
         })?);
     }
-    let composite = compose(rig, layers.clone(), choices.feather_px)
+    let found = steps(&layers);
+    let composite = compose(rig, layers, choices.feather_px)
         .ok_or_else(|| Failure::bad_input("no sub-image to compose"))?;
-    Ok((layers, composite))
+    Ok((found, composite))
 }
 
 /// Returns one polynomial over the frame, from the nominal mosaic to the virtual image: what the
@@ -387,7 +431,6 @@ impl Summary {
                     let [u, v] = registration.at(pair.from_px);
                     (u - pair.from_px[0]).hypot(v - pair.from_px[1])
                 });
-                let height_m = 1000.0;
                 GreenSummary {
                     windows: matched.windows,
                     kept: registration.kept,
@@ -397,7 +440,8 @@ impl Summary {
                     displacement_rms_px: rms(ways.clone()).unwrap_or(0.0),
                     displacement_largest_px: ways.fold(0.0, f64::max),
                     pixel_ratio: matched.ratio,
-                    parallax_bound_px: HEAD_DISTANCE_M * 0.03 / 0.97 / height_m
+                    parallax_bound_px: HEAD_DISTANCE_M / HEAD_HEIGHT_M * HEAD_RELIEF
+                        / (1.0 - HEAD_RELIEF)
                         * rig.principal_distance_px(),
                 }
             }),
@@ -436,6 +480,11 @@ impl Summary {
                 green.displacement_rms_px,
                 green.displacement_largest_px,
                 green.sigma_px
+            ));
+            lines.push(format!(
+                "Parallax of a head {HEAD_DISTANCE_M} m away, at {HEAD_HEIGHT_M} m over relief of {:.0} % of it: at most {:.3} px; it grows with relief and distance, and with 1/height.",
+                100.0 * HEAD_RELIEF,
+                green.parallax_bound_px
             ));
         }
         lines

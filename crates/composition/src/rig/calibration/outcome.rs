@@ -100,8 +100,18 @@ pub struct SubQuality {
     pub sigma_u: Vec<f64>,
     /// σ of the coefficients of v, px.
     pub sigma_v: Vec<f64>,
-    /// Largest correlation of two coefficients.
-    pub correlation: Correlation,
+    /// Correlations of every two coefficients, those of u before those of v.
+    pub correlations: Vec<Correlation>,
+}
+
+impl SubQuality {
+    /// The correlation farthest from 0; `None` of no coefficients.
+    #[must_use]
+    pub fn largest_correlation(&self) -> Option<&Correlation> {
+        let size = |one: &&Correlation| one.value.abs();
+        let list = self.correlations.iter();
+        list.max_by(|a, b| size(a).total_cmp(&size(b)))
+    }
 }
 
 /// Correlation of two coefficients.

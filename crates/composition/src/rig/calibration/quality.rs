@@ -108,21 +108,11 @@ fn of_sub(
         element.copied().unwrap_or_default()
     };
     let sigma = |unknown: usize| sigma0 * cofactor(unknown, unknown).max(0.0).sqrt();
-    let mut correlation = Correlation {
-        names: [name(0, terms), name(0, terms)],
-        value: 0.0,
-    };
-    for a in 0..2 * terms {
-        for b in a + 1..2 * terms {
-            let value = cofactor(a, b) / (cofactor(a, a) * cofactor(b, b)).sqrt();
-            if value.abs() > correlation.value.abs() {
-                correlation = Correlation {
-                    names: [name(a, terms), name(b, terms)],
-                    value,
-                };
-            }
-        }
-    }
+    let pairs = (0..2 * terms).flat_map(|a| (a + 1..2 * terms).map(move |b| [a, b]));
+    let correlations = pairs.map(|[a, b]| Correlation {
+        names: [name(a, terms), name(b, terms)],
+        value: cofactor(a, b) / (cofactor(a, a) * cofactor(b, b)).sqrt(),
+    });
     SubQuality {
         control,
         ties,
@@ -130,7 +120,7 @@ fn of_sub(
         mean_sigma_px: sigmas.iter().sum::<f64>() / real(sigmas.len()),
         sigma_u: (0..terms).map(sigma).collect(),
         sigma_v: (terms..2 * terms).map(sigma).collect(),
-        correlation,
+        correlations: correlations.collect(),
     }
 }
 

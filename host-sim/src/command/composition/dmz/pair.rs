@@ -9,7 +9,7 @@ use fmc_composition::stereo::{
 };
 use fmc_report::composition::page::Section;
 
-use super::{Check, Findings};
+use super::findings::{Check, Findings};
 use crate::command::composition::stereo::with_ties;
 use crate::failure::Failure;
 
@@ -23,7 +23,8 @@ const HEIGHT_M: [f64; 2] = [0.32, 0.41];
 /// The stereo check, repeated, and of the composed pair.
 pub(super) fn stereo(
     scene: &Scene,
-    (rig, planes): &(Rig, [Plane; 2]),
+    rig: &Rig,
+    planes: &[Plane; 2],
     findings: &mut Findings,
 ) -> Result<(), Failure> {
     let mut rows = Vec::new();
