@@ -1,4 +1,4 @@
-//! What the motion changes of the distortion, for the error budget.
+//! Distortion at points over the sensor: what calibrations miss of the exposure mean.
 
 use fmc::SensorPoint;
 use fmc::flight::camera::Camera;
@@ -6,7 +6,7 @@ use fmc::geometry::evaluation_form::Displacement;
 use fmc::geometry::frame_correction::FrameCorrection;
 
 /// Points along each side of the sensor, edges included.
-const SIDE_POINTS: u8 = 21;
+pub(crate) const SIDE_POINTS: u8 = 21;
 
 /// Largest lengths over the sensor, mm, by which calibrations miss the exposure mean.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -40,10 +40,17 @@ pub(crate) fn missed(camera: &Camera, mean: &FrameCorrection) -> Missed {
 }
 
 fn length(one: Displacement, other: Displacement) -> f32 {
-    libm::hypotf(one.dx_mm - other.dx_mm, one.dy_mm - other.dy_mm)
+    let [dx_mm, dy_mm] = difference(one, other);
+    libm::hypotf(dx_mm, dy_mm)
 }
 
-fn points(camera: &Camera) -> impl Iterator<Item = SensorPoint> {
+/// Returns what a displacement has more than another one, mm.
+pub(crate) fn difference(one: Displacement, other: Displacement) -> [f32; 2] {
+    [one.dx_mm - other.dx_mm, one.dy_mm - other.dy_mm]
+}
+
+/// Returns the points, row after row from the lower left corner.
+pub(crate) fn points(camera: &Camera) -> impl Iterator<Item = SensorPoint> {
     let sensor = camera.calibration().sensor();
     let (half_width, half_height) = (sensor.half_width_mm(), sensor.half_height_mm());
     places()
