@@ -176,7 +176,10 @@ impl fmc_camera_record {
     };
 
     /// Returns the parameters of the record, not yet validated.
-    pub(crate) fn parameters(&self) -> Result<CameraParameters, fmc_error> {
+    ///
+    /// # Errors
+    /// The refusal of a code or of the serial number.
+    pub fn parameters(&self) -> Result<CameraParameters, fmc_error> {
         let fitted = code::bool_of(self.has_fitted)?
             .then(|| {
                 Ok::<_, fmc_error>(FiveCoefficients {

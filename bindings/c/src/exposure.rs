@@ -53,7 +53,10 @@ impl fmc_exposure {
     };
 
     /// Returns the exposure, not yet validated.
-    pub(crate) fn exposure(&self) -> Result<Exposure, fmc_error> {
+    ///
+    /// # Errors
+    /// The refusal of a code.
+    pub fn exposure(&self) -> Result<Exposure, fmc_error> {
         Ok(Exposure {
             vh_per_s: self.vh_per_s,
             exposure_s: self.exposure_s,

@@ -12,7 +12,7 @@
 )]
 
 // The tests run on a PC, and a program there brings its own way to end.
-#[cfg(not(target_os = "none"))]
+#[cfg(not(any(target_os = "none", target_family = "wasm")))]
 extern crate std;
 
 mod calibration_blob;
@@ -58,7 +58,7 @@ pub use record_code::*;
 pub use version::*;
 
 /// Links only where no panic can be reached: the symbol that it names is defined nowhere.
-#[cfg(target_os = "none")]
+#[cfg(any(target_os = "none", target_family = "wasm"))]
 #[panic_handler]
 fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
     unsafe extern "C" {

@@ -94,9 +94,9 @@ impl<'a> Text<'a> {
             .strip_prefix('-')
             .map_or(("", text), |text| ("-", text));
         self.add(sign);
-        let (mantissa, exponent) = text.split_once('e').unwrap_or((text, "0"));
+        let (mantissa, exponent) = split_at(text, b'e').unwrap_or((text, "0"));
         let exponent = integer(exponent);
-        let (whole, part) = mantissa.split_once('.').unwrap_or((mantissa, ""));
+        let (whole, part) = split_at(mantissa, b'.').unwrap_or((mantissa, ""));
         let part = if part == "0" { "" } else { part };
         let lower = whole_number_of(whole, part);
         let last = exponent - i32::try_from(part.len()).unwrap_or(i32::MAX);
@@ -189,6 +189,13 @@ impl<'a> Text<'a> {
             "-inf"
         })
     }
+}
+
+/// Returns what is before and behind the first such byte of ASCII. Unlike `str::split_once` it has
+/// no panic that a compiler for size would have to remove.
+fn split_at(text: &str, at: u8) -> Option<(&str, &str)> {
+    let place = text.bytes().position(|byte| byte == at)?;
+    text.get(..place).zip(text.get(place + 1..))
 }
 
 /// Returns the number of digits with a sign.
