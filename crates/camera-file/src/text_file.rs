@@ -71,7 +71,7 @@ mod tests {
             refused.to_string(),
             "zeros: not a text file: it holds bytes of zero"
         );
-        // What is wrong with a line is for the reader of the table to say.
+        // The reader of the table names what is wrong with a line.
         for bytes in ["", "a,b", "a\0b\n1,2\n"] {
             let mut read = String::new();
             let mut source = of("table", bytes.as_bytes()).unwrap();
