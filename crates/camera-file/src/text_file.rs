@@ -15,17 +15,24 @@ const MOST_BYTES: u64 = 1 << 20;
 /// Opens a text file of any size.
 ///
 /// # Errors
-/// [`InputError`] for a file that cannot be read, or whose first 256 KiB hold a byte of zero: a
-/// table without line ends would be read as a whole before anything is wrong with it.
+/// [`InputError`] for a file that cannot be read, and as [`of`].
 pub fn open(path: &Path) -> Result<BufReader<File>, InputError> {
-    let unreadable = |error: &io::Error| InputError::reading(path, error);
-    let file = File::open(path).map_err(|error| unreadable(&error))?;
-    let mut reader = BufReader::with_capacity(BUFFER, file);
-    let start = reader.fill_buf().map_err(|error| unreadable(&error))?;
-    if start.contains(&0) {
+    let file = File::open(path).map_err(|error| InputError::reading(path, &error))?;
+    of(&path.display().to_string(), file)
+}
+
+/// Reads from a source of text; `name` is the one that messages use for it.
+///
+/// # Errors
+/// [`InputError`] for a source whose first bytes, at most 256 KiB, hold one of zero and no line
+/// end: such a table would be read as a whole before anything is wrong with it.
+pub fn of<R: Read>(name: &str, source: R) -> Result<BufReader<R>, InputError> {
+    let mut reader = BufReader::with_capacity(BUFFER, source);
+    let start = reader.fill_buf();
+    let start = start.map_err(|error| InputError::reading(Path::new(name), &error))?;
+    if start.contains(&0) && !start.contains(&b'\n') {
         return Err(InputError::invalid(format!(
-            "{}: not a text file: it holds bytes of zero",
-            path.display()
+            "{name}: not a text file: it holds bytes of zero"
         )));
     }
     Ok(reader)
@@ -51,4 +58,25 @@ pub(crate) fn read(path: &Path) -> Result<String, InputError> {
         )));
     }
     Ok(text)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn zeros_without_a_line_end_are_no_text() {
+        let refused = of("zeros", io::repeat(0)).unwrap_err();
+        assert_eq!(
+            refused.to_string(),
+            "zeros: not a text file: it holds bytes of zero"
+        );
+        // The reader of the table names what is wrong with a line.
+        for bytes in ["", "a,b", "a\0b\n1,2\n"] {
+            let mut read = String::new();
+            let mut source = of("table", bytes.as_bytes()).unwrap();
+            source.read_to_string(&mut read).unwrap();
+            assert_eq!(read, bytes);
+        }
+    }
 }

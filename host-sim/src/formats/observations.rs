@@ -1,7 +1,6 @@
 //! Reader of observed distortions, as CSV.
 
 use std::collections::HashMap;
-use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
@@ -10,6 +9,7 @@ use fmc_adjustment::observation::{ObservationRow, ObservationTable, UNIT_SIGMA_M
 use fmc_camera::geometry::range::Quantity;
 use fmc_camera_file::CameraFile;
 use fmc_camera_file::number::{clipped, single};
+use fmc_camera_file::text_file;
 use fmc_frames::Lines;
 
 use super::points::csv_failure;
@@ -34,7 +34,7 @@ const OTHER_UNIT: f64 = 20.0;
 /// # Errors
 /// [`Failure`] naming file, line, column and value.
 pub fn read(path: &Path, camera: &CameraFile) -> Result<ObservationTable, Failure> {
-    let source = File::open(path).map_err(|error| Failure::reading(path, &error))?;
+    let source = text_file::open(path)?;
     parse(&path.display().to_string(), source, camera)
 }
 

@@ -246,6 +246,7 @@ fn gigabyte_of_zeros_is_refused_by_its_beginning() {
     let with = |words: &[&str]| bench.run(&[words, &camera].concat());
     for words in [
         &["correct", "--records", "zeros", "points.csv"][..],
+        &["correct", "--vh", "0.1", "--exposure", "1/200", "zeros"],
         &["correct", "--frames", "zeros", "points.csv"],
         &["frame", "--records", "zeros"],
         &["export", "frames", "--records", "zeros", "--out", "out"],

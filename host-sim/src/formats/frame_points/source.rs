@@ -5,7 +5,7 @@ use std::fs::File;
 use std::io::{self, Read, Write};
 use std::path::Path;
 
-use fmc_camera_file::CameraFile;
+use fmc_camera_file::{CameraFile, text_file};
 
 use super::answers::{AnsweredBlock, OutColumns};
 use super::block::FrameBlock;
@@ -100,6 +100,7 @@ impl FrameSource {
         let mut ids = None;
         let (reader, writer, frame): (Box<dyn RowReader>, Box<dyn RowWriter>, _) = match format {
             PointFormat::Csv => {
+                let stream: Box<dyn Read + Send> = Box::new(text_file::of(&file, stream)?);
                 let rows = CsvRows::new(&file, stream, finder)?;
                 let writer = CsvAnswers::new(rows.header(), out);
                 let frame = rows.header().frame;

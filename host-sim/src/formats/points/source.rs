@@ -7,7 +7,7 @@ use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel};
 use std::thread;
 
-use fmc_camera_file::CameraFile;
+use fmc_camera_file::{CameraFile, text_file};
 
 use super::csv_points::CsvPoints;
 use super::npy_points::NpyPoints;
@@ -78,6 +78,7 @@ impl Source {
         };
         let (points, frame, count, precision, bytes) = match format {
             PointFormat::Csv => {
+                let stream: Box<dyn Read + Send> = Box::new(text_file::of(&file, stream)?);
                 let points = CsvPoints::new(&file, stream)?;
                 let frame = points.frame();
                 (Points::Csv(points), frame, None, Precision::Double, bytes)
