@@ -178,6 +178,7 @@ fn largest_displacement(form: &EvaluationForm, lengths: &Lengths, radius: f32) -
 }
 
 /// What tells the derivatives of one component of the distortion from those of the other.
+#[derive(Clone, Copy)]
 struct Component {
     gain: Interval,
     twice_slope: Interval,
