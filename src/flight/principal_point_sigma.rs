@@ -8,8 +8,9 @@
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct PrincipalPointSigma {
-    /// Of this frame alone, mm: steps of the encoder, time stamps, the path between two readings, how
-    /// far the reading went while the stage stood, or half of the stroke where readings are missing.
+    /// Of this frame alone, mm: steps of the encoder, time stamps, the path between two readings,
+    /// how far the reading went while the stage stood, or half of the stroke where readings are
+    /// missing.
     pub frame_mm: f32,
     /// Common to the frames of a flight, mm: phase, zero and scale of the encoder, age of its
     /// readings, play, or half of the stroke where the place is lost.

@@ -107,3 +107,25 @@ fn camera_that_cannot_be_flown_at_all_stays_as_it_is_and_is_refused() {
     let unchanged = Controller::flyable(&invalid, &settings);
     assert_eq!(unchanged.limits, invalid.limits);
 }
+
+#[test]
+fn encoder_coarser_than_a_fifth_of_the_stroke_is_refused_by_name() {
+    let with_step = |stroke_mm, encoder_step_um| {
+        let mut settings = settings(0.001, 0.0);
+        settings.drive.encoder_step_um = encoder_step_um;
+        start(&staged(100.0, stroke_mm, None), &settings)
+    };
+    assert_eq!(with_step(4.0, 100.0), Ok(()));
+    // A twentieth of a millimetre, with a step of twice that and of a fifth of it.
+    for (step_um, is_refused) in [(100.0, true), (10.1, true), (9.9, false)] {
+        let refused = match with_step(0.05, step_um) {
+            Err(ControllerError::Settings(error)) => Some(error),
+            _ => None,
+        };
+        assert_eq!(refused.is_some(), is_refused, "{step_um}");
+        if let Some(error) = refused {
+            assert_eq!(error.quantity.name(), "encoder_step_um");
+            assert!((error.max - 10.0).abs() < 1e-4, "{error}");
+        }
+    }
+}

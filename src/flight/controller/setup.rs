@@ -6,7 +6,7 @@ use crate::flight::camera::{self, Camera, FrameError};
 use crate::flight::exposure::{CorrectionModel, Exposure, FlightDirection};
 use crate::flight::index_watch::IndexSides;
 use crate::flight::interior_orientation::InteriorOrientation;
-use crate::flight::settings::FlightSettings;
+use crate::flight::settings::{FOLLOWING_STEPS, FlightSettings};
 use crate::flight::slope::SLOPE_STEPS;
 use crate::flight::smear_prediction::{
     AircraftMotion, Compensation, PredictedSmear, SmearPrediction,
@@ -177,9 +177,23 @@ pub(in crate::flight) fn checked(
     camera
         .check_exposure_time(settings.exposure_s)
         .map_err(|error| ControllerError::Travel(error.into()))?;
+    check_encoder(camera, &settings)?;
     check_index(camera, &settings)?;
     check_interval(camera, &settings)?;
     Ok(settings)
+}
+
+/// Checks that the encoder shows where in its stroke the stage is: a stage that may be off its set
+/// point by all of it without a fault is not watched.
+fn check_encoder(camera: &Camera, settings: &FlightSettings) -> Result<(), ControllerError> {
+    if !camera.has_stage() {
+        return Ok(());
+    }
+    let stroke_mm = camera.calibration().parameters().stroke_mm;
+    let most_um = 1e3 * stroke_mm / FOLLOWING_STEPS;
+    let checked =
+        Quantity::EncoderStepUm.check_within(settings.drive.encoder_step_um, 0.0, most_um);
+    checked.map(|_| ()).map_err(ControllerError::Settings)
 }
 
 /// Checks that the stage can be moved across its index mark.
