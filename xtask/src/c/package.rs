@@ -62,7 +62,7 @@ pub(super) fn write(workspace: &Workspace, out: &Path, libraries: &[Library]) ->
     Ok(())
 }
 
-/// Returns the file by which CMake judges the version that a project asks for: one with another
+/// Returns the file by which `CMake` judges the version that a project asks for: one with another
 /// number in the first two places has another header.
 fn cmake_version(version: &str) -> String {
     let (compatible, _) = version.rsplit_once('.').unwrap_or((version, ""));

@@ -52,7 +52,7 @@ pub(crate) enum Tool {
     Aarch64,
     /// GNU's C compiler for Arm, with a C library.
     ArmGcc,
-    /// CMake.
+    /// `CMake`.
     Cmake,
     /// Checker of C sources, with its rules of MISRA C.
     Cppcheck,
