@@ -184,41 +184,49 @@ fn statement(bench: &Bench, folder: &str) -> Value {
     serde_json::from_slice(&fs::read(path).unwrap()).unwrap()
 }
 
+/// Returns the statement of an export of a flight's frames, with `--out` of the format's name.
+fn exported(flight: &Flight, format: &str) -> Value {
+    let arguments = ["export", format, "--out", format];
+    let answer = flight.bench.run(&[&arguments[..], &RECORDS].concat());
+    answer.ok();
+    statement(&flight.bench, format)
+}
+
+fn largest_um(statement: &Value) -> f64 {
+    statement["residual_max_um"].as_f64().unwrap()
+}
+
 /// Files of other programs hold the polynomial; what the grids leave in the frames is stated.
 #[test]
 fn exports_of_records_state_what_the_grids_leave_in_the_frames() {
     let (gridded, _) = gridded();
     let plain = flight();
-    for format in [
-        "colmap",
-        "metashape",
-        "opensfm",
-        "opf",
-        "opentrackio",
-        "arcgis",
-        "frames",
-    ] {
-        let export = |flight: &Flight, more: &[&str]| {
-            let arguments = [&["export", format], &RECORDS[..], &["--out", format], more].concat();
-            flight.bench.run(&arguments)
-        };
-        let exported = |flight: &Flight| {
-            export(flight, &[]).ok();
-            statement(&flight.bench, format)
-        };
-        let (with, without) = (exported(&gridded), exported(&plain));
+    for format in ["colmap", "metashape", "opensfm", "opf", "opentrackio"] {
+        let (with, without) = (exported(&gridded, format), exported(&plain, format));
         assert_eq!(with["frames"]["exposures"], 7, "{format}");
         assert_eq!(with["files"], without["files"], "{format}");
-        let largest = |statement: &Value| statement["residual_max_um"].as_f64().unwrap();
         let states =
             |statement: &Value| statement["not_held"].to_string().contains("residual grids");
         assert!(states(&with) && !states(&without), "{format}: {with}");
         // Waves of 4 µm in lens and sensor.
-        let added = largest(&with) - largest(&without);
+        let added = largest_um(&with) - largest_um(&without);
         assert!((3.0..12.0).contains(&added), "{format}: {added}");
         fs::remove_dir_all(gridded.bench.path(format)).unwrap();
-        let answer = export(&gridded, &["--max-residual-um", "2"]);
+        let arguments = ["export", format, "--out", format, "--max-residual-um", "2"];
+        let answer = gridded.bench.run(&[&arguments[..], &RECORDS].concat());
         assert_eq!(answer.code, 1, "{format}: {}", answer.stderr);
         assert!(!gridded.bench.path(format).exists(), "{format}");
+    }
+}
+
+/// Tables without coefficients go with points that `correct` has corrected, grids included.
+#[test]
+fn tables_of_frames_without_coefficients_leave_the_grids_to_correct() {
+    let (gridded, _) = gridded();
+    for format in ["arcgis", "frames"] {
+        let statement = exported(&gridded, format);
+        assert_eq!(largest_um(&statement).to_bits(), 0, "{format}");
+        let advice = statement["advice"].to_string();
+        assert!(advice.contains("corrected"), "{format}: {advice}");
     }
 }
