@@ -146,7 +146,10 @@ pub fn levels<R: SampleRows>(
         return Err(InputError::invalid(format!(
             "{name}: {:.0} % of the pixels at or above {saturation_dn} DN are saturated; 1 % of the pixels must be below it in all flats",
             100.0 * real(count) / real(all)
-        )));
+        ))
+        .with_help(
+            "the sample from which on pixels count as saturated is an option (--saturation)".to_owned(),
+        ));
     }
     for (flat, sum) in flats.iter().zip(&sums_dn) {
         if *sum <= 0.0 {

@@ -17,7 +17,9 @@ const PANEL_PX: usize = 270;
 const GREY_STEP: f64 = 8.0;
 
 /// Meaning of the figure.
-pub(super) const CAPTION: &str = "First exposure: sub-images as they are recorded, at their nominal places; the virtual image; and its difference from the true image x 100, in grey values of the same scale, equal ones in the middle of it. Differences are means over the pixels of a dot; one cubic over the frame, which orientations take up, is taken off places.";
+pub(super) const CAPTION: &str = "First exposure: sub-images as they are recorded, at their nominal places; the virtual image; and its difference from the true image x 100: black and white are -0.5 and +0.5 % of the full scale. Differences are means over the pixels of a dot; one cubic over the frame, which orientations take up, is taken off places, and one straight line off grey values.";
+/// Pixels between those that determine the straight line of grey values.
+const SAMPLE_PX: usize = 7;
 
 /// A virtual image, and its places in the true one.
 #[derive(Debug, Clone, Copy)]
@@ -51,10 +53,12 @@ pub(super) fn svg(
         (theirs, "as published: no heights, template"),
     ];
     for (composed, way) in ways {
-        if let Some(composed) = composed {
+        let known = composed.and_then(|composed| Some((composed, line(scene, composed)?)));
+        if let Some((composed, [offset_dn, slope])) = known {
             panels.push(
                 dots.panel(["Difference from truth x 100,", way], |col, row| {
-                    difference_dn(scene, composed, [col, row]).map(|dn| 127.5 + FACTOR * shade(dn))
+                    let [dn, truth_dn] = pair_dn(scene, composed, [col, row])?;
+                    Some(127.5 + FACTOR * shade((dn - offset_dn) / slope - truth_dn))
                 }),
             );
         }
@@ -105,13 +109,32 @@ fn pixel(at: f64) -> Option<usize> {
         .then_some(at.round().max(0.0) as usize)
 }
 
-/// Virtual image less truth at a pixel, DN, places registered by one cubic.
-fn difference_dn(scene: &Scene, composed: Composed, [col, row]: [usize; 2]) -> Option<f64> {
+/// Returns value and truth at a pixel, DN, places registered by one cubic.
+fn pair_dn(scene: &Scene, composed: Composed, [col, row]: [usize; 2]) -> Option<[f64; 2]> {
     let cubic = composed.places.cubic.as_ref()?;
     let dn = composed.plane.at(col, row).filter(|dn| *dn > 0)?;
     let number = |value: usize| f64::from(u32::try_from(value).unwrap_or(u32::MAX));
     let place = cubic.at([number(col), number(row)]);
-    Some(f64::from(dn) - scene.true_dn(0, place)?)
+    Some([f64::from(dn), scene.true_dn(0, place)?])
+}
+
+/// Returns offset, DN, and slope of the grey values over the true ones; `None` without content.
+fn line(scene: &Scene, composed: Composed) -> Option<[f64; 2]> {
+    let [mut count, mut sum, mut sum_truth, mut squares, mut products] = [0.0; 5];
+    for row in (0..composed.plane.height()).step_by(SAMPLE_PX) {
+        for col in (0..composed.plane.width()).step_by(SAMPLE_PX) {
+            if let Some([dn, truth_dn]) = pair_dn(scene, composed, [col, row]) {
+                count += 1.0;
+                sum += dn;
+                sum_truth += truth_dn;
+                squares += truth_dn * truth_dn;
+                products += truth_dn * dn;
+            }
+        }
+    }
+    let slope = (products - sum * sum_truth / count) / (squares - sum_truth * sum_truth / count);
+    let is_line = slope.is_finite() && slope > 0.0;
+    is_line.then(|| [(sum - slope * sum_truth) / count, slope])
 }
 
 /// Squares of pixels that are one dot of a panel.

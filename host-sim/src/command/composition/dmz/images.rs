@@ -9,7 +9,7 @@ use fmc_report::composition::page::Section;
 
 use super::findings::{Check, Findings, LARGEST_PX, LARGEST_STEP_PX, calibrated};
 use super::places::Places;
-use super::relief::{SEARCH_PX, WIDE_SEARCH_PX, Way};
+use super::relief::{SEARCH_PX, Way, wide_search_px};
 use super::{figure, uniformity};
 use crate::cli::OrderName;
 use crate::command::composition::virtual_image::{
@@ -193,7 +193,12 @@ fn publication(
     match compose_frames(&found.rig, frames, choices, "publication") {
         Ok(composed) => {
             let plane = &composed.composite.layer.plane;
-            let places = Places::find(&found.rig, plane, truth, WIDE_SEARCH_PX);
+            let places = Places::find(
+                &found.rig,
+                plane,
+                truth,
+                wide_search_px(scene.request.relief_m),
+            );
             let summary = Summary::of(&found.rig, &composed, choices, Some(Method::Template));
             findings.lines.push(format!(
                 "The publication's way, shown: virtual image against truth {:.2} px after one cubic, {} of {} places matched, steps at the seams {}.",

@@ -13,10 +13,10 @@ use crate::failure::Failure;
 
 /// Relief, standard deviation of the heights, m.
 const RELIEFS_M: [f64; 5] = [0.0, 1.0, 5.0, 10.0, 30.0];
-/// Pixels around its place in which a place of the virtual image is searched, and the same without
-/// heights.
+/// Pixels around its place in which a place of the virtual image is searched.
 pub(super) const SEARCH_PX: usize = 8;
-pub(super) const WIDE_SEARCH_PX: usize = 40;
+/// Pixels beyond it, at most, where heights are ignored.
+const MOST_FURTHER_PX: u16 = 40;
 
 /// A way: its rig, corrections and kernel.
 #[derive(Debug, Clone, Copy)]
@@ -137,11 +137,18 @@ fn composed(
     let composed = compose_frames(rig, &frames, way.choices, "relief")?;
     let search_px = match way.heights {
         Heights::Use => SEARCH_PX,
-        Heights::Ignore => WIDE_SEARCH_PX,
+        Heights::Ignore => wide_search_px(scene.request.relief_m),
     };
     let places = Places::find(rig, &composed.composite.layer.plane, truth, search_px);
     let step = Summary::of(rig, &composed, way.choices, None).seam_step_px;
     Ok((places, step))
+}
+
+/// Returns the pixels around its place in which a place is searched where heights are ignored: a
+/// metre of relief displaces by some pixels.
+pub(super) fn wide_search_px(relief_m: f64) -> usize {
+    let further = fmc_composition::grey(1.5 * relief_m);
+    SEARCH_PX + usize::from(further.min(MOST_FURTHER_PX))
 }
 
 fn check(relief_m: f64, ours: &Outcome, findings: &mut Findings) {
