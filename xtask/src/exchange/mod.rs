@@ -1,7 +1,7 @@
 //! Files for other programs and poses, read by the programs themselves, and blocks of frames on
 //! several workers: `OpenCV`, COLMAP and Dask, from the Python package index.
 
-mod python;
+pub(crate) mod python;
 
 use std::{fs, path::PathBuf};
 
@@ -21,7 +21,7 @@ const POSES: &str = "xtask/src/exchange/poses.py";
 const BLOCKS: &str = "xtask/src/exchange/blocks.py";
 
 /// Packages with their versions, so that a new one cannot change what is tested.
-const PACKAGES: [&str; 5] = [
+pub(crate) const PACKAGES: [&str; 5] = [
     "dask[distributed]==2026.8.0",
     "numpy==2.4.6",
     "opencv-python-headless==5.0.0.93",
@@ -89,7 +89,7 @@ fn cameras(workspace: &Workspace) -> Result<Vec<PathBuf>> {
 }
 
 /// Returns the error of a command with what it has printed.
-fn succeed(command: xshell::Cmd<'_>) -> Result<String> {
+pub(crate) fn succeed(command: xshell::Cmd<'_>) -> Result<String> {
     let output = command.quiet().ignore_status().output()?;
     let errors = String::from_utf8_lossy(&output.stderr);
     let last = errors.lines().rfind(|line| !line.trim().is_empty());

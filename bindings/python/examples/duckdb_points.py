@@ -1,0 +1,16 @@
+"""Points of a flight, corrected in DuckDB: CAMERA RECORDS POINTS.parquet OUT.parquet."""
+
+import sys
+
+import duckdb
+import pyarrow as pa
+
+import fmc_camera
+from fmc_camera import arrow
+
+camera, records, points, out = sys.argv[1:]
+frames = fmc_camera.Camera.from_toml(camera).frames(records)
+given = duckdb.read_parquet(points).fetch_arrow_reader(1_000_000)
+parts = (arrow.correct(part, frames) for part in given)
+corrected = pa.RecordBatchReader.from_batches(given.schema, parts)
+duckdb.from_arrow(corrected).write_parquet(out)
