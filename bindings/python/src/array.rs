@@ -131,6 +131,9 @@ fn typed<'py, T: Coordinate + Element>(
         if arguments.out.is_some() {
             return Err(error::of_layout("out", "given with inplace=True"));
         }
+        if !points.is_c_contiguous() {
+            return Err(not_contiguous("points"));
+        }
         let mut borrowed = points
             .try_readwrite()
             .map_err(|error| of_borrow("points", &error))?;
@@ -148,10 +151,6 @@ fn typed<'py, T: Coordinate + Element>(
         })?;
         return Ok(points.clone().into_any());
     }
-    let answers = match arguments.out {
-        Some(out) => place(out, points)?,
-        None => PyArrayDyn::zeros(py, points.shape(), false),
-    };
     let given = if points.is_c_contiguous() {
         points.clone()
     } else if arguments.out.is_some() {
@@ -164,6 +163,10 @@ fn typed<'py, T: Coordinate + Element>(
         let numpy = py.import("numpy")?;
         let copy = numpy.call_method1("ascontiguousarray", (points,))?;
         copy.cast_into::<PyArrayDyn<T>>()?
+    };
+    let answers = match arguments.out {
+        Some(out) => place(out, points)?,
+        None => PyArrayDyn::zeros(py, points.shape(), false),
     };
     let given = given
         .try_readonly()

@@ -100,6 +100,14 @@ fn rows(file: &CameraFile) -> Vec<Row> {
             Value::Numbers(limits.exposure_s.to_vec()),
         ),
     ]);
+    rows.extend(optional_rows(file));
+    rows
+}
+
+/// Returns the keys of the tables that a camera file need not have.
+fn optional_rows(file: &CameraFile) -> Vec<Row> {
+    let (mut rows, number) = (Vec::new(), Value::Number);
+    let text = |text: &str| Value::Text(text.to_owned());
     if let Some(fitted) = &file.fitted {
         rows.extend([
             ("fitted", "km0", number(fitted.km0)),

@@ -29,7 +29,8 @@ impl<'py> Index<'py> {
     /// # Errors
     /// `fmc_camera.Layout` for other numbers or another shape.
     pub(crate) fn of(given: &Bound<'py, PyAny>, argument: &'static str) -> PyResult<Self> {
-        if let Ok(array) = given.cast::<PyArray1<i64>>()
+        if given.is_exact_instance_of::<PyUntypedArray>()
+            && let Ok(array) = given.cast::<PyArray1<i64>>()
             && array.is_c_contiguous()
         {
             return Self::borrowed(array, argument);

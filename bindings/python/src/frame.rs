@@ -6,12 +6,9 @@ use std::time::Instant;
 use fmc_camera::flight::camera::Frame as PredictedFrame;
 use fmc_camera::flight::gridded_frame::GriddedFrame;
 use fmc_camera::flight::interior_orientation::InteriorOrientation;
-use fmc_camera::geometry::exposure_distortion::ExposureDistortion;
 use fmc_camera_kernel::host::Batch;
 use fmc_frames::row;
-use numpy::{
-    IntoPyArray, PyArrayDyn, PyArrayMethods, PyReadonlyArray2, PyReadwriteArray2,
-};
+use numpy::{IntoPyArray, PyArrayDyn, PyArrayMethods, PyReadonlyArray2, PyReadwriteArray2};
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -307,6 +304,10 @@ impl Frame {
 
     /// Returns the seconds of the fastest of some calls of the kernel alone, in one thread, for the
     /// comparison with those of `correct`.
+    #[expect(
+        clippy::needless_pass_by_value,
+        reason = "an argument of Python is converted into it"
+    )]
     fn _kernel_seconds(
         &self,
         points: PyReadonlyArray2<'_, f32>,

@@ -14,6 +14,7 @@ mod columns;
 mod coordinate;
 mod correction_kernel;
 mod error;
+mod export;
 mod exposure;
 mod flight_points;
 mod frame;

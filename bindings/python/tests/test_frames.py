@@ -49,7 +49,7 @@ def tables():
     yield "dictionary of arrays", dict(pandas.read_csv(flights.RECORDS).items())
 
 
-@pytest.mark.parametrize(("kind", "table"), tables(), ids=lambda value: str(value)[:20])
+@pytest.mark.parametrize(("kind", "table"), list(tables()), ids=lambda value: str(value)[:20])
 def test_every_table_of_records_gives_the_same_frames(kind, table):
     frames = flights.camera().frames(table)
     points, index = random_points(15 * 40), np.repeat(np.arange(15), 40)

@@ -8,10 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 __all__ = [
-    "Budget",
     "Camera",
     "Error",
-    "Figure",
     "Folds",
     "Frame",
     "Frames",
@@ -138,22 +136,9 @@ class Camera:
     def reference(
         self, points: ArrayLike, frame: Frame, *, out: None = None, inplace: bool = False
     ) -> NDArray[Any]: ...
-    def budget(
-        self,
-        *,
-        height_m: float = 1000.0,
-        focus_um: float = 5.0,
-        vh_error_percent: float = 1.0,
-        relief_percent: float = 10.0,
-        drift_deg: float = 1.0,
-        rate_deg_s: float = 1.0,
-        encoder_um: float = 1.0,
-        timing_ms: float = 0.1,
-    ) -> Budget: ...
     def export(
         self, program: _Program, folder: str | PathLike[str], *, model: str | None = None
     ) -> dict[str, Any]: ...
-    def plot(self, frame: Frame | None = None) -> Figure: ...
 
 @final
 class Frame:
@@ -254,6 +239,9 @@ class Frame:
         off_sensor: _OffSensor = "nan",
     ) -> NDArray[Any]: ...
     def mesh(self, spacing: int = 16) -> NDArray[np.float64]: ...
+    def _kernel_seconds(
+        self, points: NDArray[np.float32], out: NDArray[np.float32], calls: int
+    ) -> float: ...
 
 @final
 class Frames:
@@ -331,17 +319,3 @@ class Frames:
     def _columns(
         self, x: Any, y: Any, places: Any, answer: str, is_distorted: bool
     ) -> tuple[NDArray[Any], NDArray[Any], NDArray[np.uint8]]: ...
-
-@final
-class Budget:
-    @property
-    def terms(self) -> list[dict[str, Any]]: ...
-    @property
-    def height_m(self) -> float: ...
-
-@final
-class Figure:
-    @property
-    def svg(self) -> str: ...
-    def save(self, path: str | PathLike[str]) -> None: ...
-    def _repr_svg_(self) -> str: ...

@@ -101,9 +101,9 @@ def _of_batch(batch, frames, answer, missing, counts, is_distorted):
         coordinates.append(numbers)
         is_null = _either(is_null, is_missing)
     x, y, flags = frames._columns(*coordinates, places, answer, is_distorted)
-    has_lack = flags.any()
-    if is_null is not None and has_lack:
+    if is_null is not None:
         flags[is_null] = 0
+    has_lack = flags.any()
     if counts is not None:
         _add(counts, flags)
     if has_lack and missing == "error":
@@ -142,9 +142,7 @@ def _places(column, frames):
         is_null = column.is_null().to_numpy(zero_copy_only=False)
     kind = column.type
     if pa.types.is_integer(kind):
-        if column.null_count:
-            column = column.fill_null(0)
-        return frames._places(column.to_numpy(zero_copy_only=True)), is_null
+        return frames._places(_filled(column).to_numpy(zero_copy_only=True)), is_null
     if pa.types.is_null(kind):
         return np.full(len(column), -1), is_null
     if not pa.types.is_dictionary(kind):
@@ -159,17 +157,20 @@ def _places(column, frames):
         names = [name or "" for name in values.to_pylist()]
         places = frames._places(names) if names else np.empty(0, np.int64)
     elif pa.types.is_integer(values.type):
-        places = frames._places(values.fill_null(-1).to_numpy(zero_copy_only=False))
+        places = frames._places(_filled(values).to_numpy(zero_copy_only=False))
     else:
         raise fmc_camera.Error(
             f"column frame of the type {kind}: must be whole numbers, or names of images"
         )
-    indices = column.indices
-    if indices.null_count:
-        indices = indices.fill_null(0)
+    indices = _filled(column.indices)
     if len(places) == 0:
         return np.full(len(column), -1), is_null
     return places[indices.to_numpy(zero_copy_only=False)], is_null
+
+
+def _filled(numbers):
+    """Return whole numbers with 0 for null; what it stands for is masked."""
+    return numbers.fill_null(0) if numbers.null_count else numbers
 
 
 def _is_text(kind):
