@@ -2,6 +2,7 @@
 
 import hashlib
 import importlib.util
+import os
 import pathlib
 import shutil
 import subprocess
@@ -53,8 +54,10 @@ def expected(points):
 
 def start(example, points, out):
     command = [sys.executable, EXAMPLES / example, flights.CAMERA, flights.RECORDS, points, out]
+    # Workers of Spark are of this interpreter, too.
+    environment = os.environ | {"PYSPARK_PYTHON": sys.executable}
     return subprocess.Popen(
-        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True
+        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=environment
     )
 
 
