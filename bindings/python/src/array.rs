@@ -151,17 +151,16 @@ fn typed<'py, T: Coordinate + Element>(
         })?;
         return Ok(points.clone().into_any());
     }
-    let given = if points.is_c_contiguous() {
+    let given = if points.is_c_contiguous() && points.data().is_aligned() {
         points.clone()
     } else if arguments.out.is_some() {
         return Err(error::of_layout(
             "points",
-            "not contiguous in C order: they would be copied, which out= is to avoid; \
-             numpy.ascontiguousarray copies them",
+            "not contiguous in C order, or not aligned: they would be copied, which out= is to avoid; \
+             points.copy() copies them",
         ));
     } else {
-        let numpy = py.import("numpy")?;
-        let copy = numpy.call_method1("ascontiguousarray", (points,))?;
+        let copy = points.call_method1("copy", ("C",))?;
         copy.cast_into::<PyArrayDyn<T>>()?
     };
     let answers = match arguments.out {
@@ -240,7 +239,7 @@ fn overlap(one: &Range<usize>, other: &Range<usize>) -> bool {
 }
 
 fn not_contiguous(argument: &'static str) -> PyErr {
-    error::of_layout(argument, "not contiguous in C order")
+    error::of_layout(argument, "not contiguous in C order, or not aligned")
 }
 
 /// Returns the error of an array that cannot be used.

@@ -20,7 +20,6 @@ use self_cell::self_cell;
 use crate::array::{self, Arguments};
 use crate::camera_keys;
 use crate::error;
-use crate::export;
 use crate::exposure::{ExposureArguments, Words};
 use crate::frame::Frame;
 use crate::frames::Frames;
@@ -287,22 +286,5 @@ impl Camera {
             inplace,
         };
         array::answered(&arguments, ReferencePoints::new(frame))
-    }
-
-    /// Writes the calibration as another program's files into a folder, and returns what they hold.
-    #[pyo3(signature = (program, folder, *, model = None))]
-    #[expect(
-        clippy::needless_pass_by_value,
-        reason = "an argument of Python is converted into it"
-    )]
-    fn export<'py>(
-        &self,
-        py: Python<'py>,
-        program: &str,
-        folder: PathBuf,
-        model: Option<&str>,
-    ) -> PyResult<Bound<'py, PyAny>> {
-        let statement = py.detach(|| export::export(&self.parts, program, &folder, model))?;
-        py.import("json")?.call_method1("loads", (statement,))
     }
 }

@@ -14,7 +14,6 @@ mod columns;
 mod coordinate;
 mod correction_kernel;
 mod error;
-mod export;
 mod exposure;
 mod flight_points;
 mod frame;

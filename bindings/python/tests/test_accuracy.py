@@ -7,8 +7,9 @@ from test_points import grid
 
 import fmc_camera
 
-# Largest error of a coordinate per axis, mm, of the 50 mm lens.
-SINGLE_MM, DOUBLE_MM = 2.5e-6, 0.6e-6
+# Largest error of a coordinate per axis, mm, of a 50 mm lens, in exposures of up to 1/100 s. In
+# longer ones the terms that the fold leaves out are larger, of which the frame states a bound.
+SINGLE_MM, DOUBLE_MM, LONGEST_S = 2.5e-6, 0.6e-6, 1 / 100
 
 FIFTY = ["phase-one-ixm-rs150f-50", "phase-one-ixu-rs1000-50"]
 
@@ -18,13 +19,14 @@ FIFTY = ["phase-one-ixm-rs150f-50", "phase-one-ixu-rs1000-50"]
 def test_coordinates_are_those_of_the_strict_solver(root, name, strategy):
     text = (root / f"host-sim/cameras/{name}.toml").read_text()
     camera = fmc_camera.Camera.from_text(text + f'\n[fmc]\nstrategy = "{strategy}"\n')
-    for vh, exposure in [(0.05, 0.001), (0.17, 1 / 200), (0.17, 0.02)]:
+    for vh, exposure in [(0.05, 0.001), (0.17, 1 / 200), (0.17, 1 / 100), (0.17, 1 / 50)]:
         for options in [{}, {"direction": "reverse", "focus_shift_um": 8.0}]:
             frame = camera.frame(vh, exposure, **options)
+            left_out_mm = 1e-6 * frame.left_out_nm if exposure > LONGEST_S else 0.0
             for dtype, most in [(np.float32, SINGLE_MM), (np.float64, DOUBLE_MM)]:
                 points = grid(camera, 13, dtype)
                 truth = camera.reference(points.astype(np.float64), frame)
-                assert np.abs(frame.correct(points) - truth).max() <= most
+                assert np.abs(frame.correct(points) - truth).max() <= most + left_out_mm
 
 
 @pytest.mark.parametrize("model", ["exact", "static"])

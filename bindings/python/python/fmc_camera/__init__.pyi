@@ -31,20 +31,6 @@ _Number = TypeVar("_Number", np.float32, np.float64)
 _Points = NDArray[_Number]
 _Answer = Literal["ideal", "ideal-shifted", "measured-shifted"]
 _OffSensor = Literal["extrapolate", "nan", "error"]
-_Program = Literal[
-    "opencv",
-    "ros",
-    "kalibr",
-    "colmap",
-    "metashape",
-    "opensfm",
-    "opf",
-    "pix4d",
-    "opentrackio",
-    "micmac",
-    "australis",
-    "photomodeler",
-]
 
 class Error(ValueError): ...
 
@@ -136,9 +122,6 @@ class Camera:
     def reference(
         self, points: ArrayLike, frame: Frame, *, out: None = None, inplace: bool = False
     ) -> NDArray[Any]: ...
-    def export(
-        self, program: _Program, folder: str | PathLike[str], *, model: str | None = None
-    ) -> dict[str, Any]: ...
 
 @final
 class Frame:
