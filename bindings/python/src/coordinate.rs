@@ -4,7 +4,7 @@ use fmc_camera_file::number::single;
 
 /// A coordinate of a point, mm.
 pub(crate) trait Coordinate: Copy + Send + Sync + 'static {
-    /// What is no coordinate.
+    /// A coordinate that a point does not have.
     const NAN: Self;
 
     /// Returns the coordinate in the camera's precision.

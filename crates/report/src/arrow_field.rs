@@ -36,7 +36,7 @@ impl ArrowField<'_> {
     ///
     /// # Errors
     /// [`FigureError`] without arrows or if the drawing fails.
-    pub fn svg(&self) -> Result<String, FigureError> {
+    pub(crate) fn svg(&self) -> Result<String, FigureError> {
         figure::svg(self.size(), |canvas| self.draw(canvas))
     }
 
