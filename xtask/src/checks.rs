@@ -11,7 +11,7 @@ use crate::{
     equipment::{Equipment, Need},
     exchange,
     firmware::{self, Image},
-    kernel, no_panic, schedule, verify,
+    kernel, no_panic, schedule, verify, wheel,
     workspace::Workspace,
 };
 
@@ -48,6 +48,8 @@ pub(crate) enum Step {
     Verify,
     /// Let `OpenCV` and COLMAP read exported cameras and project points
     Exchange,
+    /// Build the wheel for Python, and test it with `NumPy`, Polars, `DuckDB` and Dask
+    Python,
     /// Lint for the target: library, firmware, and the programs that check them
     TargetLints,
     /// Build the library for the firmware's target and for a Cortex-M55
@@ -93,7 +95,8 @@ impl Step {
             | Self::Docs
             | Self::HostTests
             | Self::Verify
-            | Self::Exchange => &[],
+            | Self::Exchange
+            | Self::Python => &[],
             Self::TargetLints | Self::FirmwareLints | Self::Board => {
                 &[Need::Compiler, Need::Clippy]
             }
@@ -164,6 +167,7 @@ fn run_step(step: Step, workspace: &Workspace, equipment: &Equipment<'_>) -> Res
             verify.arg(verify::default_out(workspace))
         }
         Step::Exchange => return exchange::check(workspace, equipment.toolbox()),
+        Step::Python => return wheel::check(workspace, equipment.toolbox()),
         // The lints run in release, so that the core library is built once for lints, library and
         // link check.
         Step::TargetLints => target()?.cargo(

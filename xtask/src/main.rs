@@ -29,6 +29,7 @@ mod target;
 mod tools;
 mod verify;
 mod version;
+mod wheel;
 mod workspace;
 
 use std::{ffi::OsString, process::ExitCode};
@@ -88,6 +89,11 @@ enum Command {
         #[arg(long)]
         update: bool,
     },
+    /// Build the wheel for Python into target/python, and test it
+    ///
+    /// Python's packages are fetched into the target directory. The wheel is for glibc 2.17 and
+    /// later where zig can be fetched. Spark is tested where there is Java, and times are taken.
+    Python,
     /// Check formatting, lints, documentation and tests
     ///
     /// On the host: formatting, lints, documentation and tests. For the target: lints, builds, and
@@ -134,6 +140,10 @@ fn main() -> ExitCode {
         Command::C { update } => (
             Workspace::new().and_then(|workspace| c::run(&workspace, update)),
             NOT_STARTED,
+        ),
+        Command::Python => (
+            Workspace::new().and_then(|workspace| wheel::run(&workspace)),
+            CHECK_FAILED,
         ),
         Command::Test { only, among_others } => (
             Workspace::new().and_then(|workspace| {

@@ -26,9 +26,11 @@ const PROGRAM: &str = "python3";
 const COMPLETE: &str = "packages";
 
 /// An interpreter with packages.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Python {
     program: PathBuf,
+    /// Directories with the installer of packages, where it is not the interpreter's own.
+    installer: Vec<PathBuf>,
     /// Directories of modules.
     modules: Vec<PathBuf>,
     /// Directories of shared libraries.
@@ -56,6 +58,55 @@ impl Python {
             version.trim(),
             python.program.display()
         ));
+        python.installer = std::mem::take(&mut python.modules);
+        python.and(workspace, name, packages)
+    }
+
+    /// Fetches further packages into a directory of a name of its own, unless they are there.
+    ///
+    /// # Errors
+    /// An error that says what is not available.
+    pub(crate) fn and(
+        mut self,
+        workspace: &Workspace,
+        name: &str,
+        packages: &[&str],
+    ) -> Result<Self> {
+        let place = self.provide(workspace, name, packages)?;
+        self.modules.insert(0, place);
+        Ok(self)
+    }
+
+    /// Adds a directory of modules, before the others.
+    pub(crate) fn with_modules(mut self, directory: PathBuf) -> Self {
+        self.modules.insert(0, directory);
+        self
+    }
+
+    /// Returns the path of a program that a package has brought.
+    ///
+    /// # Errors
+    /// An error if no directory of packages has it.
+    pub(crate) fn brought(&self, name: &str) -> Result<PathBuf> {
+        let name = format!("{name}{}", env::consts::EXE_SUFFIX);
+        let mut places = self.modules.iter().flat_map(|place| {
+            ["bin", "Scripts"].map(|directory| place.join(directory).join(&name))
+        });
+        let found = places.find(|path| path.is_file());
+        found.with_context(|| format!("the packages have no program {name}"))
+    }
+
+    /// Fetches packages into a directory, unless they are there, and returns it.
+    fn provide(&self, workspace: &Workspace, name: &str, packages: &[&str]) -> Result<PathBuf> {
+        let shell = &workspace.shell;
+        let python = Self {
+            program: self.program.clone(),
+            installer: Vec::new(),
+            modules: self.installer.clone(),
+            libraries: self.libraries.clone(),
+        };
+        let version = stated_version(shell, &python.program)
+            .or_else(|_| succeed(python.run(shell).arg("--version")))?;
         let tools = workspace.target_dir.join("tools");
         let place = tools.join(name);
         // Packages with compiled code are of one version of Python.
@@ -69,13 +120,16 @@ impl Python {
                 python.fetch(shell, &place, packages, &wanted)?;
             }
         }
-        python.modules = vec![place];
-        Ok(python)
+        Ok(place)
     }
 
     /// Returns the command that runs the interpreter.
     pub(crate) fn run<'a>(&self, shell: &'a Shell) -> Cmd<'a> {
-        let Self { program, .. } = self;
+        self.program(shell, &self.program)
+    }
+
+    /// Returns the command that runs a program which the packages have brought.
+    pub(crate) fn program<'a>(&self, shell: &'a Shell, program: &Path) -> Cmd<'a> {
         let mut command = cmd!(shell, "{program}").env_remove("PYTHONHOME");
         for (variable, directories) in [
             ("PYTHONPATH", &self.modules),
@@ -99,6 +153,7 @@ impl Python {
         if let Some(program) = &on_path {
             let python = Self {
                 program: program.clone(),
+                installer: Vec::new(),
                 modules: Vec::new(),
                 libraries: Vec::new(),
             };
@@ -119,6 +174,7 @@ impl Python {
         };
         Ok(Self {
             program,
+            installer: Vec::new(),
             modules: vec![root.join("usr/lib/python3/dist-packages")],
             libraries,
         })
@@ -175,7 +231,7 @@ fn library_directories(root: &Path) -> Vec<PathBuf> {
 }
 
 /// Returns the error of a command with what it has printed.
-fn succeed(command: Cmd<'_>) -> Result<String> {
+pub(crate) fn succeed(command: Cmd<'_>) -> Result<String> {
     let output = command.quiet().ignore_status().output()?;
     let errors = String::from_utf8_lossy(&output.stderr);
     let last = errors.lines().rfind(|line| !line.trim().is_empty());

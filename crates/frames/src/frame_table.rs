@@ -14,13 +14,14 @@ use fmc_camera::geometry::moments::CentralMoments;
 use fmc_camera::geometry::principal_distance::FocusSign;
 use fmc_camera::geometry::principal_point::PrincipalPointMotion;
 use fmc_camera_file::InputError;
+use serde::{Deserialize, Serialize};
 
 use crate::frame::{correction, gridded};
 use crate::{FlightFrame, Outcome};
 
 /// The numbers of a frame on which image coordinates depend: [`FrameRow::BYTES`] in memory, so
 /// that a flight of a million exposures fits.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct FrameRow {
     /// Number of the trigger.
     pub sequence: u32,
@@ -37,7 +38,7 @@ pub struct FrameRow {
     utc_sigma_s: f32,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 enum RowOutcome {
     Exposed(CorrectionModel, FocusSign),
     /// Place of the reason in the list of all reasons.
@@ -140,7 +141,9 @@ impl FrameRow {
 }
 
 /// The frames of a flight.
-#[derive(Debug, Clone, Default)]
+///
+/// It can be serialised, to be sent to another process of the same version.
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub struct FrameTable {
     /// In ascending order of their numbers.
     rows: Vec<FrameRow>,

@@ -26,6 +26,7 @@
 pub mod exposure;
 pub mod fitted;
 pub mod lens;
+pub mod model_reference;
 pub mod residual_spline;
 pub mod residual_splines;
 pub mod strict;

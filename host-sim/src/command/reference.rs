@@ -1,13 +1,12 @@
 //! `reference`: points through the strict solver.
 
 use fmc_camera::Camera;
-use fmc_reference::fitted::FittedModel;
-use fmc_reference::lens::Lens;
+use fmc_reference::model_reference::ModelReference;
 use fmc_reference::residual_splines::ResidualSplines;
-use fmc_reference::strict::{Reading, StrictMean, StrictSolver, Weight};
+use fmc_reference::strict::{Reading, Weight};
 
 use super::point_stream::PointStream;
-use crate::cli::{ModelName, ReadingName, ReferenceArgs, WeightName};
+use crate::cli::{ReadingName, ReferenceArgs, WeightName};
 use crate::device::DeviceError;
 use crate::failure::{Failure, note};
 use crate::formats::output;
@@ -38,26 +37,8 @@ pub(super) fn run(args: &ReferenceArgs) -> Result<(), Failure> {
         ReadingName::Consistent => Reading::Consistent,
         ReadingName::Literal => Reading::Literal,
     };
-    let solver =
-        StrictSolver::new(&camera, &request.request(), weight).with_splines(splines.clone());
-    let fitted = FittedModel::new(&camera, solver.path());
-    let total = |point_mm: [f64; 2]| match (request.model, &fitted) {
-        (ModelName::Fitted, Some(fitted)) => {
-            // The fitted enlargement is part of the model; the grid of the lens moves alone.
-            let ([x, y], [ex, ey]) = (point_mm, camera.fmc.axis.unit());
-            let centroid_mm = solver.path().centroid_mm();
-            let of_lens = splines.of_lens([x - centroid_mm * ex, y - centroid_mm * ey]);
-            let residual = sum(of_lens, splines.of_sensor(point_mm));
-            exactly(sum(fitted.distortion(point_mm), residual))
-        }
-        (ModelName::Static, _) => {
-            let [x, y] = point_mm;
-            let [x0, y0] = camera.principal_point_mm;
-            let polynomial = Lens::of(&camera).displacement([x - x0, y - y0]);
-            exactly(sum(polynomial, splines.calibrated(point_mm)))
-        }
-        _ => solver.total(point_mm, reading),
-    };
+    let model = request.exposure().model;
+    let reference = ModelReference::new(&camera, &request.request(), model, weight, splines);
     let mut error_mm = 0.0_f64;
     points.answer(|_, block, answers| {
         block.widen();
@@ -65,7 +46,7 @@ pub(super) fn run(args: &ReferenceArgs) -> Result<(), Failure> {
             .numbers
             .extend(block.points_mm.iter().map(|point_mm| {
                 let [x, y] = *point_mm;
-                let mean = total(*point_mm);
+                let mean = reference.total(*point_mm, reading);
                 error_mm = error_mm.max(mean.error_mm);
                 let [dx, dy] = mean.distortion_mm;
                 Answer {
@@ -85,15 +66,4 @@ pub(super) fn run(args: &ReferenceArgs) -> Result<(), Failure> {
         1e6 * error_mm
     ));
     Ok(())
-}
-
-fn sum([ax, ay]: [f64; 2], [bx, by]: [f64; 2]) -> [f64; 2] {
-    [ax + bx, ay + by]
-}
-
-const fn exactly(distortion_mm: [f64; 2]) -> StrictMean {
-    StrictMean {
-        distortion_mm,
-        error_mm: 0.0,
-    }
 }

@@ -16,8 +16,11 @@ const POSES: &str = "xtask/src/exchange/poses.py";
 /// Script that rectifies a block of frames with Dask.
 const BLOCKS: &str = "xtask/src/exchange/blocks.py";
 
+/// Directory of the packages.
+pub(crate) const READERS: &str = "readers";
+
 /// Packages with their versions, so that a new one cannot change what is tested.
-const PACKAGES: [&str; 5] = [
+pub(crate) const PACKAGES: [&str; 5] = [
     "dask[distributed]==2026.8.0",
     "numpy==2.4.6",
     "opencv-python-headless==5.0.0.93",
@@ -39,7 +42,7 @@ const ALL_TERMS: &str = "name = \"all terms\"\nprincipal_distance_mm = 100\n\
 /// states.
 pub(crate) fn check(workspace: &Workspace, toolbox: &Toolbox<'_>) -> Result<()> {
     let host_sim = verify::tested_host_sim(workspace)?;
-    let python = Python::with(workspace, toolbox, "readers", &PACKAGES).context(
+    let python = Python::with(workspace, toolbox, READERS, &PACKAGES).context(
         "exports cannot be read by OpenCV and COLMAP, nor blocks be rectified with Dask",
     )?;
     let shell = &workspace.shell;

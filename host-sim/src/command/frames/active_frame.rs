@@ -1,35 +1,23 @@
 //! A frame whose points are being corrected.
 
+use std::ops::Deref;
+
 use fmc_camera::geometry::calibration::Calibration;
 use fmc_camera::geometry::camera_grids::CameraGrids;
 use fmc_camera::geometry::exposure_distortion::ExposureDistortion;
-use fmc_camera::geometry::gridded_correction::GriddedCorrection;
-use fmc_camera::geometry::principal_distance::FocusSign;
-use fmc_camera::geometry::sensor::SensorPoint;
-use fmc_frames::FrameRow;
+use fmc_frames::{FrameRow, PlacedFrame};
 
 use crate::device::PointBatch;
 
 /// Points of a frame in a row from which the vectors are worth their start.
 const BATCH: usize = 24;
 
-/// The correction of a frame, and the shift that refers its coordinates to the calibration.
+/// A frame, and the vectors of this PC for its points.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ActiveFrame<'a> {
-    pub(super) correction: GriddedCorrection<'a>,
+    frame: PlacedFrame<'a>,
     /// Vectors for many points; `None` with residual grids.
-    pub(super) batch: Option<PointBatch>,
-    /// c̄·e: centroid principal point of the frame - the calibrated one, mm.
-    pub(super) shift_mm: [f64; 2],
-    /// Calibrated principal point, mm.
-    principal_point_mm: [f64; 2],
-    /// 1 + κ.
-    enlarged: f64,
-    /// e, the FMC axis.
-    pub(super) axis: [f64; 2],
-    /// σ of the principal point along the axis, mm.
-    pub(super) sigma_mm: Option<f64>,
-    pub(super) focus_sign: FocusSign,
+    batch: Option<PointBatch>,
 }
 
 impl<'a> ActiveFrame<'a> {
@@ -41,24 +29,13 @@ impl<'a> ActiveFrame<'a> {
         grids: &CameraGrids<'a>,
         principal_point_mm: [f64; 2],
     ) -> Option<Self> {
-        let correction = row.gridded(calibration, grids)?;
-        let SensorPoint { x_mm, y_mm } = calibration
-            .parameters()
-            .axis
-            .sensor_from_offset(SensorPoint::default(), 1.0);
-        let axis = [x_mm, y_mm].map(f64::from);
-        let centroid_mm = f64::from(row.motion.centroid_mm);
+        let frame = PlacedFrame::new(row, calibration, grids, principal_point_mm)?;
+        let correction = &frame.correction;
         Some(Self {
             batch: correction
                 .is_polynomial()
                 .then(|| PointBatch::new(correction.polynomial())),
-            correction,
-            shift_mm: axis.map(|component| centroid_mm * component),
-            principal_point_mm,
-            enlarged: 1.0 + f64::from(row.enlargement),
-            axis,
-            sigma_mm: row.sigma().map(|sigma| f64::from(sigma.total_mm())),
-            focus_sign: row.focus_sign(),
+            frame,
         })
     }
 
@@ -66,46 +43,12 @@ impl<'a> ActiveFrame<'a> {
     pub(super) fn batch_of(&self, points: usize) -> Option<&PointBatch> {
         self.batch.as_ref().filter(|_| points >= BATCH)
     }
+}
 
-    /// Returns `true` if the frame's measured points can be referred to the calibration: with the
-    /// printed signs of the focus shift, distortion does not scale with the image.
-    pub(super) fn has_shifted_points(&self) -> bool {
-        self.focus_sign == FocusSign::Physical || self.enlarged.to_bits() == 1.0_f64.to_bits()
-    }
+impl<'a> Deref for ActiveFrame<'a> {
+    type Target = PlacedFrame<'a>;
 
-    /// Returns the measured point about the calibrated principal point and at the calibrated
-    /// principal distance.
-    ///
-    /// # Model
-    /// `x0 + (x - c̄·e - x0)/(1 + κ)`: lens and distortion move together over the detector, and the
-    /// focus shift enlarges the image with its distortion.
-    pub(super) fn shifted_from_measured(&self, point_mm: [f64; 2]) -> [f64; 2] {
-        self.each(point_mm, |x, c, x0| x0 + (x - c - x0) / self.enlarged)
-    }
-
-    /// Returns the point of the sensor of one about the calibrated principal point: the inverse of
-    /// [`Self::shifted_from_measured`].
-    pub(super) fn measured_from_shifted(&self, point_mm: [f64; 2]) -> [f64; 2] {
-        self.each(point_mm, |x, c, x0| x0 + (x - x0) * self.enlarged + c)
-    }
-
-    /// Returns an ideal point about the calibrated principal point.
-    pub(super) fn shifted_from_ideal(&self, point_mm: [f64; 2]) -> [f64; 2] {
-        self.each(point_mm, |x, c, _| x - c)
-    }
-
-    /// Returns an ideal point about the frame's own principal point.
-    pub(super) fn ideal_from_shifted(&self, point_mm: [f64; 2]) -> [f64; 2] {
-        self.each(point_mm, |x, c, _| x + c)
-    }
-
-    /// 1 + κ.
-    pub(super) const fn enlarged(&self) -> f64 {
-        self.enlarged
-    }
-
-    fn each(&self, [x, y]: [f64; 2], of: impl Fn(f64, f64, f64) -> f64) -> [f64; 2] {
-        let ([cx, cy], [x0, y0]) = (self.shift_mm, self.principal_point_mm);
-        [of(x, cx, x0), of(y, cy, y0)]
+    fn deref(&self) -> &PlacedFrame<'a> {
+        &self.frame
     }
 }

@@ -1,0 +1,255 @@
+//! Correction and distortion of the points of one frame, in single and in double precision.
+
+use fmc_camera::geometry::evaluation_form::Displacement;
+use fmc_camera::geometry::exposure_distortion::ExposureDistortion;
+use fmc_camera::geometry::gridded_correction::GriddedCorrection;
+use fmc_camera::geometry::sensor::{Sensor, SensorPoint};
+use fmc_camera_kernel::host::Batch;
+use fmc_camera_kernel::inverse::LastStep;
+
+use crate::coordinate::Coordinate;
+
+/// Points that are computed together: their numbers fit the first-level cache.
+pub(crate) const TOGETHER: usize = 512;
+
+/// Direction of a transformation.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Direction {
+    /// Measured -> ideal.
+    Correct,
+    /// Ideal -> measured.
+    Distort,
+}
+
+/// The correction of one frame, with the vectors of this PC where it is a polynomial alone.
+///
+/// It computes in the calling thread: a pool of threads would not survive `fork`.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct CorrectionKernel<'a> {
+    correction: GriddedCorrection<'a>,
+    vectors: Option<Batch>,
+    last_step: LastStep,
+}
+
+impl<'a> CorrectionKernel<'a> {
+    pub(crate) fn new(correction: GriddedCorrection<'a>) -> Self {
+        let polynomial = correction.polynomial();
+        let vectors = Batch::new(polynomial.coefficients(), polynomial.terms()).in_one_thread();
+        Self {
+            vectors: correction.is_polynomial().then_some(vectors),
+            last_step: polynomial.last_step(),
+            correction,
+        }
+    }
+
+    /// Selects the number of bytes from which on ideal points are written past the caches, for
+    /// points that are given in parts.
+    pub(crate) fn streamed_from(mut self, bytes: usize) -> Self {
+        self.vectors = self.vectors.map(|vectors| vectors.streamed_from(bytes));
+        self
+    }
+
+    pub(crate) fn sensor(&self) -> &Sensor {
+        self.correction.polynomial().sensor()
+    }
+
+    /// Replaces points by their answers; one that has none becomes NaN.
+    pub(crate) fn replace<T: Coordinate>(&self, direction: Direction, points: &mut [[T; 2]]) {
+        if let (Direction::Correct, Some(vectors)) = (direction, &self.vectors)
+            && let Some(points) = T::singles_mut(points)
+        {
+            return vectors.pairs(points);
+        }
+        self.replace_in_parts(direction, points);
+    }
+
+    /// Writes the answers to points.
+    pub(crate) fn write<T: Coordinate>(
+        &self,
+        direction: Direction,
+        points: &[[T; 2]],
+        answers: &mut [[T; 2]],
+    ) {
+        if let (Direction::Correct, Some(vectors)) = (direction, &self.vectors)
+            && let (Some(points), Some(answers)) = (T::singles(points), T::singles_mut(answers))
+        {
+            return vectors.pairs_into(points, answers);
+        }
+        for (points, answers) in points.chunks(TOGETHER).zip(answers.chunks_mut(TOGETHER)) {
+            for (point, answer) in points.iter().zip(answers.iter_mut()) {
+                *answer = *point;
+            }
+            self.replace_in_parts(direction, answers);
+        }
+    }
+
+    fn replace_in_parts<T: Coordinate>(&self, direction: Direction, points: &mut [[T; 2]]) {
+        let mut numbers = Numbers::new();
+        for points in points.chunks_mut(TOGETHER) {
+            numbers.take(points);
+            match direction {
+                Direction::Correct => self.correct(&mut numbers, points.len()),
+                Direction::Distort => self.distort(&mut numbers, points.len()),
+            }
+            numbers.answer(direction, points);
+        }
+    }
+
+    /// Returns the place of the first ideal point, not NaN, that has no measured one.
+    pub(crate) fn first_without_measured<T: Coordinate>(&self, points: &[[T; 2]]) -> Option<usize> {
+        let mut numbers = Numbers::new();
+        for (block, points) in points.chunks(TOGETHER).enumerate() {
+            numbers.take(points);
+            self.distort(&mut numbers, points.len());
+            let Numbers { given, found, .. } = &numbers;
+            let [[x, y], [found, _]] = [given, found];
+            let is_number = x.iter().zip(y).map(|(x, y)| !x.is_nan() && !y.is_nan());
+            let mut lacks = is_number
+                .zip(found)
+                .take(points.len())
+                .map(|(is_number, found)| is_number && found.is_nan());
+            if let Some(place) = lacks.position(|lacks| lacks) {
+                return Some(block * TOGETHER + place);
+            }
+        }
+        None
+    }
+
+    fn correct(&self, numbers: &mut Numbers, count: usize) {
+        if let Some(vectors) = &self.vectors {
+            let [given, found, distortion] = numbers.slices(count);
+            vectors.xy_with_distortion(given.map(|numbers| &*numbers), found, distortion);
+            return;
+        }
+        numbers.each(count, |measured| {
+            let corrected = self.correction.correct(measured);
+            Some((corrected.point, corrected.distortion))
+        });
+    }
+
+    fn distort(&self, numbers: &mut Numbers, count: usize) {
+        let by_point = |ideal| {
+            let measured = self.correction.distort(ideal).ok()?;
+            Some((measured.point, measured.distortion))
+        };
+        let Some(vectors) = &self.vectors else {
+            return numbers.each(count, by_point);
+        };
+        let [given, found, distortion] = numbers.slices(count);
+        let given = given.map(|numbers| &*numbers);
+        if !vectors.xy_distorted(&self.last_step, given, found, distortion) {
+            numbers.each_left(count, by_point);
+        }
+    }
+}
+
+/// Numbers of points that are computed together, x and y apart.
+struct Numbers {
+    given: [[f32; TOGETHER]; 2],
+    found: [[f32; TOGETHER]; 2],
+    distortion: [[f32; TOGETHER]; 2],
+}
+
+impl Numbers {
+    const fn new() -> Self {
+        Self {
+            given: [[0.0; TOGETHER]; 2],
+            found: [[0.0; TOGETHER]; 2],
+            distortion: [[0.0; TOGETHER]; 2],
+        }
+    }
+
+    fn take<T: Coordinate>(&mut self, points: &[[T; 2]]) {
+        let [xs, ys] = &mut self.given;
+        for (([x, y], to_x), to_y) in points.iter().zip(xs).zip(ys) {
+            (*to_x, *to_y) = (x.single(), y.single());
+        }
+    }
+
+    fn slices(&mut self, count: usize) -> [[&mut [f32]; 2]; 3] {
+        let Self {
+            given,
+            found,
+            distortion,
+        } = self;
+        [given, found, distortion].map(|numbers| {
+            numbers
+                .each_mut()
+                .map(|numbers| numbers.split_at_mut(count.min(TOGETHER)).0)
+        })
+    }
+
+    /// Computes point by point.
+    fn each(
+        &mut self,
+        count: usize,
+        answer: impl Fn(SensorPoint) -> Option<(SensorPoint, Displacement)>,
+    ) {
+        let [[xs, ys], found, distortion] = self.slices(count);
+        let given = xs.iter().zip(ys.iter());
+        for ((x, y), place) in given.zip(places(found, distortion)) {
+            put(place, answer(SensorPoint::new(*x, *y)));
+        }
+    }
+
+    /// Computes the points whose x is NaN so far.
+    fn each_left(
+        &mut self,
+        count: usize,
+        answer: impl Fn(SensorPoint) -> Option<(SensorPoint, Displacement)>,
+    ) {
+        let [[xs, ys], found, distortion] = self.slices(count);
+        let given = xs.iter().zip(ys.iter());
+        for ((x, y), place) in given.zip(places(found, distortion)) {
+            if place[0].is_nan() {
+                put(place, answer(SensorPoint::new(*x, *y)));
+            }
+        }
+    }
+
+    /// Replaces points by their answers.
+    fn answer<T: Coordinate>(&self, direction: Direction, points: &mut [[T; 2]]) {
+        let sign = match direction {
+            Direction::Correct => -1.0,
+            Direction::Distort => 1.0,
+        };
+        let Self {
+            found: [xs, ys],
+            distortion: [dxs, dys],
+            ..
+        } = self;
+        let found = xs.iter().zip(ys).zip(dxs.iter().zip(dys));
+        for (point, ((x, y), (dx, dy))) in points.iter_mut().zip(found) {
+            let [given_x, given_y] = *point;
+            *point = [
+                given_x.changed(*x, sign * dx),
+                given_y.changed(*y, sign * dy),
+            ];
+        }
+    }
+}
+
+/// Place of an answer: x, y, dx and dy.
+type Place<'a> = [&'a mut f32; 4];
+
+fn places<'a>(
+    [xs, ys]: [&'a mut [f32]; 2],
+    [dxs, dys]: [&'a mut [f32]; 2],
+) -> impl Iterator<Item = Place<'a>> {
+    let points = xs.iter_mut().zip(ys);
+    let both = points.zip(dxs.iter_mut().zip(dys));
+    both.map(|((x, y), (dx, dy))| [x, y, dx, dy])
+}
+
+/// Puts an answer into its place; NaN where there is none.
+fn put([x, y, dx, dy]: Place<'_>, answer: Option<(SensorPoint, Displacement)>) {
+    let (point, distortion) = answer.unwrap_or((
+        SensorPoint::new(f32::NAN, f32::NAN),
+        Displacement {
+            dx_mm: f32::NAN,
+            dy_mm: f32::NAN,
+        },
+    ));
+    (*x, *y) = (point.x_mm, point.y_mm);
+    (*dx, *dy) = (distortion.dx_mm, distortion.dy_mm);
+}
