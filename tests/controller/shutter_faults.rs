@@ -81,6 +81,35 @@ fn short_and_long_exposures_are_as_long_as_they_were() {
     }
 }
 
+/// A bounce of an opening edge that was missed is first light, later and shorter by as much than a
+/// healthy exposure.
+#[test]
+fn exposure_that_is_as_late_as_it_is_short_has_what_may_be_missing_of_it_in_sigma() {
+    let frame_um = |late_us: u16, shorter_us: u64| {
+        let mut bench = Bench::armed();
+        bench.shutter_late_s = 1e-6 * f32::from(late_us);
+        bench.send(Event::Trigger);
+        bench.run_until(100, |state| state == State::Exposing);
+        for (time, _) in &mut bench.edges {
+            *time = Time::from_us(time.us() - shorter_us);
+        }
+        bench.run(60);
+        let record = only(&bench);
+        assert!(record.faults.is_empty(), "{:?}", record.faults);
+        1e3 * exposed(&record).principal_point_sigma.frame_mm
+    };
+    // By hand: a quarter of a millisecond at 10 mm/s, less 4 µs of the stamps.
+    assert!(
+        (frame_um(500, 500) - 2.48).abs() < 0.02,
+        "{}",
+        frame_um(500, 500)
+    );
+    for (late_us, shorter_us) in [(0, 0), (500, 0), (0, 500), (500, 3)] {
+        let found_um = frame_um(late_us, shorter_us);
+        assert!(found_um < 0.1, "{late_us}, {shorter_us}: {found_um}");
+    }
+}
+
 #[test]
 fn shutter_that_does_not_close_is_given_up_with_a_record() {
     let mut bench = in_state(State::Exposing);

@@ -33,6 +33,15 @@ fn counts_lost_at_rest_within_the_play_are_not_silent() {
     assert_eq!(glitch.silent, [] as [u32; 0]);
 }
 
+/// A sensor that misses the opening edge and shows a bounce of it 0.13 ms later: the exposure looks
+/// late and short, by less than the shutter's tolerance.
+#[test]
+fn bounce_of_an_opening_edge_that_was_missed_is_not_silent() {
+    let bounce = fly(301, 2, 330);
+    assert!(bounce.verdicts.len() > 10, "{}", bounce.verdicts.len());
+    assert_eq!(bounce.silent, [] as [u32; 0]);
+}
+
 /// Stages with the encoder on them and more than 9 µm of play: the screw takes the play up before
 /// the trigger, and the stage is at speed when the shutter is to open. Without that way all
 /// triggers of these missions were refused.

@@ -43,6 +43,8 @@ struct InFlight {
     planned_opening_mm: f32,
     /// δ of the plan, mm.
     planned_travel_mm: f32,
+    /// First light, later than expected by this, s; negative earlier.
+    late_s: f32,
     faults: Faults,
     flags: Flags,
     phase: Phase,
@@ -104,6 +106,7 @@ impl FrameMachine {
             asked,
             planned_opening_mm: plan.opening_mm,
             planned_travel_mm: plan.travel_mm,
+            late_s: 0.0,
             faults,
             flags: plan.flags,
             phase: Phase::Triggered {

@@ -42,20 +42,28 @@ impl FrameMachine {
                 sigma.frame_mm = libm::hypotf(sigma.frame_mm, stage.off_at_rest_mm());
             }
         }
-        let mut later_s = 0.0;
+        let mut off_s = 0.0;
         if light.is_end_assumed {
             flags.insert(Flag::LastLightAssumed);
             // The centroid may lie half as far on as the shutter was open for longer.
             let tolerance_s = setup.settings.shutter_tolerance_s;
-            later_s = 0.5 * until.seconds_since(light.closed).max(tolerance_s);
+            off_s = 0.5 * until.seconds_since(light.closed).max(tolerance_s);
             let later_mm = if setup.camera.has_stage() {
                 let closing_mm = measured.motion.opening_offset_mm + measured.motion.travel_mm;
                 let last = stage.track().last();
                 last.map_or(0.0, |last| 0.5 * (last.offset_mm - closing_mm))
             } else {
-                later_s * frame.planned_travel(light).speed_mm_s
+                off_s * frame.planned_travel(light).speed_mm_s
             };
             sigma.frame_mm = sigma.frame_mm.max(libm::fabsf(later_mm));
+        }
+        let unseen_s = frame.unseen_s(light);
+        if unseen_s > 0.0 {
+            // The centroid may lie half of it earlier.
+            let exposure_s = light.closed.seconds_since(light.opened);
+            let speed_mm_s = measured.motion.travel_mm / exposure_s;
+            off_s = 0.5 * unseen_s;
+            sigma.frame_mm = libm::hypotf(sigma.frame_mm, speed_mm_s * off_s);
         }
         let exposure = Exposure {
             exposure_s: light.closed.seconds_since(light.opened),
@@ -81,7 +89,7 @@ impl FrameMachine {
             if let Some(utc) = &mut exposed.centroid_utc {
                 // Half of the variances of first and last light.
                 let stamps_s2 = 0.5 * STAMP_SIGMA_S * STAMP_SIGMA_S;
-                let variance_s2 = utc.sigma_s * utc.sigma_s + later_s * later_s;
+                let variance_s2 = utc.sigma_s * utc.sigma_s + off_s * off_s;
                 utc.sigma_s = fmc_camera_kernel::sqrt(variance_s2 + stamps_s2);
             }
             Outcome::Exposed(exposed)

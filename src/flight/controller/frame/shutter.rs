@@ -4,12 +4,15 @@ use super::{FrameMachine, InFlight, Light, Phase};
 use crate::flight::controller::setup::Setup;
 use crate::flight::controller::stage::StageMachine;
 use crate::flight::controller::timing::{
-    LEAD_S, READING_WITHIN_S, SHUTTER_GIVEN_UP_S, SHUTTER_MISSING_S,
+    LEAD_S, READING_WITHIN_S, SHUTTER_GIVEN_UP_S, SHUTTER_MISSING_S, STAMP_SIGMA_S,
 };
 use crate::flight::event::ShutterEdge;
 use crate::flight::fault::Fault;
 use crate::flight::frame_record::Reason;
 use crate::flight::time::Time;
+
+/// Difference of an exposure from the one asked for that two stamps make, s.
+const STAMPS_S: f32 = 4.0 * STAMP_SIGMA_S;
 
 /// Action that is due for the frame in flight.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -153,7 +156,9 @@ impl InFlight {
             opened,
             told_to_close: None,
         };
-        let fault = match expected.map(|expected| opened.seconds_since(expected)) {
+        let late_s = expected.map(|expected| opened.seconds_since(expected));
+        self.late_s = late_s.unwrap_or(0.0);
+        let fault = match late_s {
             Some(late_s) if late_s > tolerance_s => Some(Fault::ShutterLate),
             Some(late_s) if late_s >= -tolerance_s => None,
             _ => Some(Fault::ShutterUnexpected),
@@ -209,6 +214,14 @@ impl InFlight {
             },
             ..Edge::default()
         })
+    }
+
+    /// Returns the time of light that may have passed before the edge which counts as first light,
+    /// s: a sensor that has missed the opening edge and shows a bounce of it makes the exposure
+    /// later and shorter by the same, which is σ of the centroid in time and place.
+    pub(super) fn unseen_s(&self, light: Light) -> f32 {
+        let shorter_s = self.asked.exposure.exposure_s - light.closed.seconds_since(light.opened);
+        (self.late_s.min(shorter_s) - STAMPS_S).max(0.0)
     }
 
     /// Assumes last light at its planned time, since its edge was not seen.
