@@ -75,7 +75,7 @@ impl CameraFile {
     /// # Errors
     /// As [`Self::read`].
     pub fn read_polynomial(path: &Path, why: &str) -> Result<(Self, Camera), InputError> {
-        let (file, text) = (path.display().to_string(), read_text(path)?);
+        let (file, text) = (path.display().to_string(), text_file::read(path)?);
         Self::without_grids(&TomlText::new(&file, &text), why)
     }
 

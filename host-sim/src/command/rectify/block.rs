@@ -74,7 +74,11 @@ impl Block<'_> {
                 .map_err(|error| Failure::writing(folder.display(), &error))?;
             self.check_camera()?;
         }
-        let is_new = !self.folder.path().join(manifest::name(options.shard)).exists();
+        let is_new = !self
+            .folder
+            .path()
+            .join(manifest::name(options.shard))
+            .exists();
         let manifest = Manifest::open(self.folder.path(), options.shard)?;
         let tasks = if options.resume {
             self.left(tasks, &manifest)?
