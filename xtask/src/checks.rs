@@ -11,7 +11,7 @@ use crate::{
     equipment::{Equipment, Need},
     exchange,
     firmware::{self, Image},
-    kernel, no_panic, schedule, verify,
+    kernel, no_panic, schedule, verify, web,
     workspace::Workspace,
 };
 
@@ -65,6 +65,8 @@ pub(crate) enum Step {
     Board,
     /// Build the library for C, and run its programs on this PC and in QEMU
     C,
+    /// Build the page with the camera's code as WebAssembly, and drive it in a browser
+    Web,
     /// Compare instructions, image sizes and stack with the tables in docs
     Costs,
 }
@@ -91,7 +93,8 @@ impl Step {
             | Self::Docs
             | Self::HostTests
             | Self::Verify
-            | Self::Exchange => &[],
+            | Self::Exchange
+            | Self::Web => &[],
             Self::TargetLints | Self::FirmwareLints | Self::Board => {
                 &[Need::Compiler, Need::Clippy]
             }
@@ -186,6 +189,7 @@ fn run_step(step: Step, workspace: &Workspace, equipment: &Equipment<'_>) -> Res
             let target = target()?;
             return c::check(workspace, target, equipment.emulator()?, equipment.toolbox());
         }
+        Step::Web => return web::check(workspace, equipment.toolbox()),
         Step::Costs => {
             let targets = equipment.targets()?;
             return bench::check(workspace, targets, equipment.emulator()?, equipment.toolbox());

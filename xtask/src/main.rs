@@ -20,6 +20,7 @@ mod kernel;
 mod machine;
 mod missing;
 mod no_panic;
+mod other_target;
 mod route;
 mod schedule;
 mod system;
@@ -27,6 +28,7 @@ mod target;
 mod tools;
 mod verify;
 mod version;
+mod web;
 mod workspace;
 
 use std::{ffi::OsString, process::ExitCode};
@@ -86,6 +88,16 @@ enum Command {
         #[arg(long)]
         update: bool,
     },
+    /// Build the page that computes with the camera's own code, and check it in a browser
+    ///
+    /// The page goes to target/web. Where the active compiler has no library for the target (rustup
+    /// target add wasm32-unknown-unknown), Debian's is fetched into the target directory, and so is
+    /// Chromium where none is on the search path.
+    Web {
+        /// Write the page to docs/demo
+        #[arg(long)]
+        update: bool,
+    },
     /// Check formatting, lints, documentation and tests
     ///
     /// On the host: formatting, lints, documentation and tests. For the target: lints, builds, and
@@ -131,6 +143,10 @@ fn main() -> ExitCode {
         Command::C { update } => (
             Workspace::new().and_then(|workspace| c::run(&workspace, update)),
             NOT_STARTED,
+        ),
+        Command::Web { update } => (
+            Workspace::new().and_then(|workspace| web::run(&workspace, update)),
+            CHECK_FAILED,
         ),
         Command::Test { only, among_others } => (
             Workspace::new().and_then(|workspace| {

@@ -32,6 +32,7 @@ const LANES: [&[Step]; 2] = [
         Step::HostTests,
         Step::Verify,
         Step::Exchange,
+        Step::Web,
         Step::Docs,
         Step::HilLints,
     ],

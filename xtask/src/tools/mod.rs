@@ -54,6 +54,8 @@ pub(crate) enum Tool {
     ArmGcc,
     /// Checker of C sources, with its rules of MISRA C.
     Cppcheck,
+    /// Chromium without a window, and letters for its pictures.
+    Browser,
 }
 
 impl Tool {
@@ -69,6 +71,7 @@ impl Tool {
             Self::Aarch64 => "aarch64",
             Self::ArmGcc => "arm-gcc",
             Self::Cppcheck => "cppcheck",
+            Self::Browser => "browser",
         }
     }
 
@@ -88,6 +91,7 @@ impl Tool {
             ],
             Self::ArmGcc => &["gcc-arm-none-eabi"],
             Self::Cppcheck => &["cppcheck"],
+            Self::Browser => &["chromium-headless-shell", "fonts-dejavu-core"],
         }
     }
 
@@ -104,6 +108,16 @@ impl Tool {
             Self::Aarch64 => &["aarch64-linux-gnu-gcc", "qemu-aarch64-static"],
             Self::ArmGcc => &["arm-none-eabi-gcc"],
             Self::Cppcheck => &["cppcheck"],
+            Self::Browser => &["chromium-headless-shell"],
+        }
+    }
+
+    /// Returns the directory of the programs, below the root of the packages.
+    fn programs_directory(self) -> &'static str {
+        match self {
+            // The program of the search path is a script that names this place of the system.
+            Self::Browser => "usr/lib/chromium",
+            _ => "usr/bin",
         }
     }
 
@@ -118,7 +132,8 @@ impl Tool {
             | Self::Pip
             | Self::Aarch64
             | Self::ArmGcc
-            | Self::Cppcheck => None,
+            | Self::Cppcheck
+            | Self::Browser => None,
         }
     }
 
@@ -149,6 +164,7 @@ impl fmt::Display for Tool {
             Self::Aarch64 => "linker and emulator of 64-bit Arm",
             Self::ArmGcc => "C compiler for the target",
             Self::Cppcheck => "checker of C sources",
+            Self::Browser => "browser",
         })
     }
 }
