@@ -181,14 +181,11 @@ function draw(frame, added) {
   $("axis").setAttribute("d", `M${bx} ${by}l${ex * tip} ${ey * tip}` +
     `m${-ex * barb - ey * barb} ${-ey * barb + ex * barb}l${ex * barb + ey * barb} ${ey * barb - ex * barb}` +
     `l${-ex * barb + ey * barb} ${-ey * barb - ex * barb}`);
-  for (const [name, x, y] of [["e", bx, by + margin / 3], ["right", w / 2 - margin, h / 2 + margin / 2]]) {
-    $(name).setAttribute("x", x);
-    $(name).setAttribute("y", y);
-    $(name).setAttribute("font-size", size / 32);
-  }
+  const label = { x: bx, y: by + margin / 3, "font-size": size / 32 };
+  for (const [name, value] of Object.entries(label)) $("e").setAttribute(name, value);
   const shown = scale >= 1 ? `${scale.toLocaleString("en")} times enlarged` : `reduced to ${scale}`;
   const long = `the longest is ${digits(1000 * longest)} µm = ${digits((1000 * longest) / pixel)} px`;
-  $("scale").textContent = longest > 0 ? `Arrows ${shown}; ${long}.` : "The motion adds nothing: no arrow is longer than 0.";
+  $("scale").textContent = longest > 0 ? `x to the right, y up. Arrows ${shown}; ${long}.` : "The motion adds nothing: no arrow is longer than 0.";
   figure.setAttribute("aria-label", `Sensor of ${digits(w)} by ${digits(h)} mm with arrows of what the motion adds to the distortion. ${$("scale").textContent}`);
 }
 

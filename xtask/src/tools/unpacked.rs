@@ -66,8 +66,11 @@ impl Unpacked {
         fs::create_dir_all(self.bin()).with_context(|| self.bin().display().to_string())?;
         for name in tool.programs() {
             let path = self.program(name);
-            write_program(&path, &launcher(tool.programs_directory(), name, &libraries))
-                .with_context(|| path.display().to_string())?;
+            write_program(
+                &path,
+                &launcher(tool.programs_directory(), name, &libraries),
+            )
+            .with_context(|| path.display().to_string())?;
         }
         fs::write(self.release(), release).with_context(|| self.release().display().to_string())
     }

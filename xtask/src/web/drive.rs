@@ -170,7 +170,10 @@ impl Driver {
     fn times(&mut self) -> Result<()> {
         let times = self.browser.evaluate("times()")?;
         let median = times["median"].as_f64().context("median")?;
-        eprintln!("a slider step takes {median:.1} ms, the longest of 200 {} ms", times["longest"]);
+        eprintln!(
+            "a slider step takes {median:.1} ms, the longest of 200 {} ms",
+            times["longest"]
+        );
         ensure!(times["fault"] == "", "{}", times["fault"]);
         ensure!(
             median < MOST_MS,
@@ -287,7 +290,8 @@ impl Driver {
         let mut colours = Vec::new();
         for scheme in ["light", "dark"] {
             for width in [500, 1200] {
-                let media = json!({"features": [{"name": "prefers-color-scheme", "value": scheme}]});
+                let media =
+                    json!({"features": [{"name": "prefers-color-scheme", "value": scheme}]});
                 self.browser.call("Emulation.setEmulatedMedia", &media)?;
                 let size = json!({
                     "width": width, "height": 900, "deviceScaleFactor": 1, "mobile": false,

@@ -24,9 +24,10 @@ const ARCHIVE: &str = "libfmc_camera_web.a";
 /// What is built: for size, over the borders of crates.
 const BUILD: &str = "rustc --package fmc-camera-web --lib --crate-type staticlib";
 
-/// Settings of the profile.
+/// Settings of the profile. Where size is all that counts (`z`), checks of bounds remain that cannot
+/// fail, and the link takes them for panics.
 const PROFILE: [&str; 4] = [
-    "profile.release.opt-level=\"z\"",
+    "profile.release.opt-level=\"s\"",
     "profile.release.lto=\"fat\"",
     "profile.release.codegen-units=1",
     "profile.release.debug=false",

@@ -3,8 +3,7 @@
 use std::{collections::BTreeMap, fs, path::Path};
 
 use anyhow::{Context as _, Result, ensure};
-use base64::{Engine as _, engine::general_purpose::STANDARD};
-use miniz_oxide::deflate::compress_to_vec;
+use zopfli::{Format, Options, compress};
 
 use super::module::Module;
 
@@ -20,11 +19,8 @@ pub(super) const CHECKED_IN: &str = "docs/demo/index.html";
 /// Most bytes of a page.
 const MOST_BYTES: usize = 60_000;
 
-/// Level of compression: the highest.
-const LEVEL: u8 = 10;
-
 /// Beginning of the line with the packed module.
-const MODULE: &str = "<script type=\"text/plain\" id=\"module\">";
+const MODULE: &str = "<script type=\"text/plain\" id=\"module\"";
 
 /// Beginning of the line that names the compiler.
 const ORIGIN: &str = "<p>The camera's code in this page was compiled by ";
@@ -42,9 +38,9 @@ pub(super) fn page(root: &Path, module: &Module) -> Result<String> {
     let program = [
         read("smol-toml.min.js")?,
         format!("const CAMERAS = {cameras};\n"),
-        read("camera.js")?,
-        read("camera_file.js")?,
-        read("page.js")?,
+        bare(&read("camera.js")?),
+        bare(&read("camera_file.js")?),
+        bare(&read("page.js")?),
     ];
     let mut page = read("index.html")?;
     for (place, text) in [
@@ -53,9 +49,9 @@ pub(super) fn page(root: &Path, module: &Module) -> Result<String> {
             "{origin}",
             format!("{ORIGIN}{} and changes nothing of it.</p>", module.compiler),
         ),
-        ("{module}", packed(&module.bytes)),
-        ("{program}", packed(program.concat().as_bytes())),
-        ("{loader}", read("loader.js")?.trim().to_owned()),
+        ("{module}", packed(&module.bytes)?),
+        ("{program}", packed(program.concat().as_bytes())?),
+        ("{loader}", bare(&read("loader.js")?).trim().to_owned()),
     ] {
         ensure!(page.matches(place).count() == 1, "index.html: no {place}");
         page = page.replacen(place, &text, 1);
@@ -87,8 +83,37 @@ pub(super) fn cameras(root: &Path) -> Result<BTreeMap<String, String>> {
     Ok(cameras)
 }
 
-fn packed(bytes: &[u8]) -> String {
-    STANDARD.encode(compress_to_vec(bytes, LEVEL))
+/// Returns a program without its lines of comment and without the spaces before a line. No text of
+/// several lines is in the sources.
+fn bare(program: &str) -> String {
+    let lines = program.lines().map(str::trim_start);
+    let lines = lines.filter(|line| !line.is_empty() && !line.starts_with("//"));
+    lines.fold(String::new(), |bare, line| bare + line + "\n")
+}
+
+/// Returns the end of a tag with the number of bytes that are packed, and the bytes: compressed, and
+/// every four of them as five characters.
+fn packed(bytes: &[u8]) -> Result<String> {
+    let mut compressed = Vec::new();
+    compress(Options::default(), Format::Deflate, bytes, &mut compressed)?;
+    let mut text = format!("data-bytes=\"{}\">", compressed.len());
+    for part in compressed.chunks(4) {
+        let mut four = [0; 4];
+        for (place, byte) in four.iter_mut().zip(part) {
+            *place = *byte;
+        }
+        let word = u32::from_be_bytes(four);
+        for power in [85_u32.pow(4), 85_u32.pow(3), 85_u32.pow(2), 85, 1] {
+            let digit = u8::try_from(word / power % 85)?;
+            text.push(char::from(b'(' + digit));
+        }
+    }
+    // It would end the element.
+    ensure!(
+        !text.to_lowercase().contains("</script"),
+        "packed bytes end their element"
+    );
+    Ok(text)
 }
 
 /// Checks that the page that is checked in is the one that was built: all of it, if its module is
@@ -157,7 +182,7 @@ mod tests {
         let kept = fs::read_to_string(root().join(CHECKED_IN)).unwrap();
         assert!(compare(root(), &kept).unwrap().contains("byte for byte"));
         let module = line(&kept, MODULE).unwrap();
-        let other = kept.replace(module, &format!("{MODULE}AAAA</script>"));
+        let other = kept.replace(module, &format!("{MODULE} data-bytes=\"4\">(((((</script>"));
         assert!(compare(root(), &other).is_err());
     }
 
