@@ -2,6 +2,7 @@
 //! mouse, in the dark, on a narrow window, with bad input and without WebAssembly.
 
 use std::{
+    env::consts::EXE_SUFFIX,
     fs,
     path::{Path, PathBuf},
 };
@@ -11,13 +12,13 @@ use base64::{Engine as _, engine::general_purpose::STANDARD};
 use serde_json::{Value, json};
 
 use super::{browser::Browser, page};
-use crate::workspace::Workspace;
+use crate::{checks::TESTED, workspace::Workspace};
 
 /// Functions that the checks call in the page.
 const CHECKS: &str = include_str!("checks.js");
 
-/// Cargo's arguments for the program that computes what the page has to show.
-const EXPECTED: &str = "run --quiet --locked --package fmc-camera-web --example expected";
+/// Program that computes what the page has to show.
+const EXPECTED: &str = "expected";
 
 /// True in a page that has started.
 const READY: &str = "document.body?.dataset.ready === 'yes'";
@@ -115,8 +116,13 @@ pub(super) fn check(workspace: &Workspace, program: &Path) -> Result<()> {
 fn expected(workspace: &Workspace, folder: &Path, cameras: &Value) -> Result<Value> {
     let path = folder.join("cameras.json");
     fs::write(&path, cameras.to_string())?;
-    let command = workspace.cargo(EXPECTED).arg("--").arg(path);
-    eprintln!("$ {command}");
+    // Built as the tests are, so that nothing is built for it alone.
+    let build = workspace.cargo(&format!("build {TESTED} --locked --example {EXPECTED}"));
+    eprintln!("$ {build}");
+    build.run()?;
+    let examples = workspace.target_dir.join("debug/examples");
+    let program = examples.join(format!("{EXPECTED}{EXE_SUFFIX}"));
+    let command = workspace.shell.cmd(program).quiet().arg(path);
     serde_json::from_str(&command.read()?).context("expected")
 }
 

@@ -115,9 +115,10 @@ fn linker(workspace: &Workspace) -> Result<PathBuf> {
         let bin = hosts.join(host).join("bin");
         bin.join(format!("rust-lld{EXE_SUFFIX}"))
     };
-    let with_compiler = file_names(&hosts).iter().map(rust_lld);
+    let with_compiler = file_names(&hosts);
     with_compiler
-        .into_iter()
+        .iter()
+        .map(rust_lld)
         .find(|path| path.is_file())
         .or_else(|| on_path("wasm-ld"))
         .context("no linker for WebAssembly: neither rust-lld of the active toolchain nor wasm-ld on the search path; to mend it: install LLVM's lld")
