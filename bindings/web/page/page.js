@@ -20,7 +20,7 @@ const SOURCES = [
 const ASSUMED = [5, 1, 10, 1, 1, 1, 0.1], HEIGHT_M = 1000;
 const AXES = [[1, 0], [-1, 0], [0, 1], [0, -1]];
 const SETTINGS = ["vh", "exposure", "run-up", "offset", "focus", "direction"];
-let library, camera, cameraText = "", cameraName = null, mechanism = 0;
+let library, camera, cameraText = "", cameraName = null, mechanism = 0, pending;
 
 // Three digits, and no more than four decimals.
 function digits(value) {
@@ -211,13 +211,10 @@ function link() {
   if (cameraName) words.set("camera", cameraName);
   else words.set("text", cameraText);
   const address = `#${words}`;
-  try {
-    history.replaceState(null, "", address);
-  } catch (error) {
-    // A browser limits how often this may happen; the link is right all the same.
-    if (error.name !== "SecurityError") throw error;
-  }
   $("link").href = address;
+  // A browser ignores addresses that change too often.
+  clearTimeout(pending);
+  pending = setTimeout(() => history.replaceState(null, "", address), 300);
 }
 function fromLink() {
   const words = new URLSearchParams(location.hash.slice(1));
@@ -259,7 +256,8 @@ async function start() {
   });
   $("link").addEventListener("click", (event) => {
     event.preventDefault();
-    navigator.clipboard?.writeText(location.href).then(
+    history.replaceState(null, "", $("link").href);
+    navigator.clipboard?.writeText($("link").href).then(
       () => { $("copied").textContent = "Copied."; },
       () => { $("copied").textContent = "It is in the address bar."; });
   });

@@ -217,7 +217,7 @@ impl Driver {
             "load(CAMERAS['rc30-5324'], 'rc30-5324'); step('vh-number', '0.123')",
             "load(CAMERAS['rc30-5282'] + '# ä&=%+\\n', null); step('focus-number', '12.5')",
         ] {
-            let shown = "[location.hash, cameraText, document.getElementById('worst').textContent]";
+            let shown = "[document.getElementById('link').hash, cameraText, document.getElementById('worst').textContent]";
             self.browser.evaluate(prepare)?;
             let before = self.browser.evaluate(shown)?;
             let settings = before[0].as_str().context("address")?.to_owned();
