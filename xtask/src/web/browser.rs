@@ -1,4 +1,9 @@
-//! A browser without a window, driven over a pipe by the DevTools protocol.
+//! A browser without a window, driven over a pipe by the `DevTools` protocol.
+
+#![expect(
+    clippy::indexing_slicing,
+    reason = "a value of JSON is null where it has no such part"
+)]
 
 use std::{
     io::{BufRead as _, BufReader, Write as _},
@@ -17,16 +22,14 @@ use crate::{
     tools::{Tool, Toolbox},
 };
 
+/// Program of the fetched browser.
+const FETCHED: &str = "chromium-headless-shell";
+
 /// Names of Chromium and its relatives on a search path.
-const PROGRAMS: [&str; 4] = [
-    "chromium-headless-shell",
-    "chromium",
-    "chromium-browser",
-    "google-chrome",
-];
+const PROGRAMS: [&str; 4] = [FETCHED, "chromium", "chromium-browser", "google-chrome"];
 
 /// Longest time for one answer.
-const PATIENCE: Duration = Duration::from_secs(60);
+const PATIENCE: Duration = Duration::from_mins(1);
 
 /// The page that is driven is the project's own, and root has no sandbox.
 const FLAGS: [&str; 7] = [
@@ -48,7 +51,7 @@ pub(super) fn find(toolbox: &Toolbox<'_>) -> Result<PathBuf> {
         return Ok(program);
     }
     let tool = toolbox.provide(Tool::Browser)?;
-    Ok(tool.program(PROGRAMS[0]))
+    Ok(tool.program(FETCHED))
 }
 
 /// A browser with one page.

@@ -1,6 +1,11 @@
 //! Checks of the page in a browser: its bits are the library's, and it serves a user without a
 //! mouse, in the dark, on a narrow window, with bad input and without WebAssembly.
 
+#![expect(
+    clippy::indexing_slicing,
+    reason = "a value of JSON is null where it has no such part"
+)]
+
 use std::{
     env::consts::EXE_SUFFIX,
     fs,

@@ -23,7 +23,7 @@ const MOST_BYTES: usize = 60_000;
 const MODULE: &str = "<script type=\"text/plain\" id=\"module\"";
 
 /// Beginning of the line that names the compiler.
-const ORIGIN: &str = "<p>The camera's code in this page was compiled by ";
+const ORIGIN: &str = "<p>The camera's code in this page was compiled to WebAssembly by ";
 
 /// Returns the page with a module.
 ///
@@ -45,10 +45,7 @@ pub(super) fn page(root: &Path, module: &Module) -> Result<String> {
     let mut page = read("index.html")?;
     for (place, text) in [
         ("{style}", read("style.css")?.trim().to_owned()),
-        (
-            "{origin}",
-            format!("{ORIGIN}{} and changes nothing of it.</p>", module.compiler),
-        ),
+        ("{origin}", format!("{ORIGIN}{}.</p>", module.compiler)),
         ("{module}", packed(&module.bytes)?),
         ("{program}", packed(program.concat().as_bytes())?),
         ("{loader}", bare(&read("loader.js")?).trim().to_owned()),
