@@ -72,7 +72,7 @@ const REFUSED: [(&str, &str); 8] = [
     ),
 ];
 
-/// What is said of a V/H of 0 and of none.
+/// Sentences about a V/H of 0 and about none.
 const REFUSED_VH: [&str; 2] = ["vh_per_s = 0 is outside", "vh_per_s = NaN"];
 
 /// Longest median time of a slider step, ms: a step that takes a frame of the screen takes 16, and

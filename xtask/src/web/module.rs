@@ -21,11 +21,11 @@ const TARGET: &str = "wasm32-unknown-unknown";
 /// Name of the archive that cargo makes.
 const ARCHIVE: &str = "libfmc_camera_web.a";
 
-/// What is built: for size, over the borders of crates.
+/// Arguments of cargo.
 const BUILD: &str = "rustc --package fmc-camera-web --lib --crate-type staticlib";
 
-/// Settings of the profile. Where size is all that counts (`z`), checks of bounds remain that cannot
-/// fail, and the link takes them for panics.
+/// Settings of the profile. With `z` there remain checks of bounds that cannot fail, and the link
+/// takes them for panics.
 const PROFILE: [&str; 4] = [
     "profile.release.opt-level=\"s\"",
     "profile.release.lto=\"fat\"",

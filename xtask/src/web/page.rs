@@ -88,8 +88,8 @@ fn bare(program: &str) -> String {
     lines.fold(String::new(), |bare, line| bare + line + "\n")
 }
 
-/// Returns the end of a tag with the number of bytes that are packed, and the bytes: compressed, and
-/// every four of them as five characters.
+/// Returns the end of a tag with the number of packed bytes, and the bytes: compressed, and every
+/// four of them as five characters.
 fn packed(bytes: &[u8]) -> Result<String> {
     let mut compressed = Vec::new();
     compress(Options::default(), Format::Deflate, bytes, &mut compressed)?;
