@@ -170,7 +170,7 @@ mod tests {
         assert_eq!(without_module(&kept), without_module(&built));
         let text = compare(root(), &built).unwrap();
         assert!(text.contains("but for its module"), "{text}");
-        let other = built.replace("x right", "x left");
+        let other = built.replace("x to the right", "x to the left");
         assert!(compare(root(), &other).is_err());
     }
 
