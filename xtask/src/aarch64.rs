@@ -1,20 +1,16 @@
 //! Tests for 64-bit Arm: those of the vectors of NEON, in QEMU's emulation of a process, or on the
 //! machine itself if it is one.
 
-use std::{
-    env,
-    path::{Path, PathBuf},
-    process::ExitCode,
-};
+use std::{path::PathBuf, process::ExitCode};
 
 use anyhow::Result;
-use xshell::{Cmd, cmd};
+use xshell::Cmd;
 
 use crate::{
-    machine::{COMPILER_SOURCES, file_names, on_path},
-    target::is_for_another_build,
+    machine::on_path,
+    other_target::OtherTarget,
     tools::{Tool, Toolbox},
-    workspace::{Workspace, host_cargo},
+    workspace::Workspace,
 };
 
 /// Compiler's name of the target.
@@ -49,26 +45,15 @@ enum Target {
     Native,
     /// Another compiler or none, a linker, and an emulator.
     Emulated {
-        library: Library,
+        target: OtherTarget,
         linker: PathBuf,
         runner: PathBuf,
     },
 }
 
-/// Origin of the compiler and of its standard library for the target.
-#[derive(Debug)]
-enum Library {
-    /// Active toolchain with its compiled library.
-    Compiled,
-    /// Active toolchain, the library built from its sources.
-    FromSource,
-    /// Distribution's compiler under the target directory, the library built from its sources.
-    Fetched { rustc: PathBuf, cargo: PathBuf },
-}
-
 impl Target {
     fn emulated(workspace: &Workspace, toolbox: &Toolbox<'_>) -> Result<Self> {
-        let library = Library::find(workspace, toolbox)?;
+        let target = OtherTarget::find(workspace, toolbox, TARGET, "std")?;
         let [linker, runner] = ["aarch64-linux-gnu-gcc", "qemu-aarch64-static"];
         let (linker, runner) = if let (Some(linker), Some(runner)) =
             (on_path(linker), on_path(runner).or(on_path("qemu-aarch64")))
@@ -79,12 +64,13 @@ impl Target {
             (tool.program(linker), tool.program(runner))
         };
         workspace.tell(&format!(
-            "{TARGET}: {library:?}, linker {}, emulator {}",
+            "{}, linker {}, emulator {}",
+            target.description(),
             linker.display(),
             runner.display()
         ));
         Ok(Self::Emulated {
-            library,
+            target,
             linker,
             runner,
         })
@@ -92,70 +78,21 @@ impl Target {
 
     /// Returns the command of tests with optimisation.
     fn test<'a>(&self, workspace: &'a Workspace) -> Cmd<'a> {
-        let (library, linker, runner) = match self {
+        let (target, linker, runner) = match self {
             Self::Native => return workspace.cargo("test --locked --release"),
             Self::Emulated {
-                library,
+                target,
                 linker,
                 runner,
-            } => (library, linker, runner),
+            } => (target, linker, runner),
         };
-        let cargo = match library {
-            Library::Fetched { cargo, .. } => workspace.shell.cmd(cargo).quiet(),
-            Library::Compiled | Library::FromSource => workspace.shell.cmd(host_cargo()).quiet(),
-        };
-        let is_fetched = matches!(library, Library::Fetched { .. });
-        let names = env::vars_os().filter_map(|(name, _)| name.into_string().ok());
-        let foreign = names.filter(|name| is_for_another_build(name, is_fetched));
-        let mut cargo = foreign.fold(cargo, Cmd::env_remove);
-        if let Library::Fetched { rustc, cargo: of } = library {
-            cargo = cargo.env("RUSTC", rustc).env("CARGO", of);
-        }
-        if !matches!(library, Library::Compiled) {
-            cargo = cargo
-                .env("RUSTC_BOOTSTRAP", "1")
-                .env("CARGO_UNSTABLE_BUILD_STD", "std");
-        }
-        cargo
-            .env(variable("LINKER"), linker)
-            .env(variable("RUNNER"), runner)
+        target
+            .cargo(workspace, "test")
+            .env(target.variable("LINKER"), linker)
+            .env(target.variable("RUNNER"), runner)
             // The emulator then needs no libraries of the target.
-            .env(variable("RUSTFLAGS"), "-Ctarget-feature=+crt-static")
-            .args(["test", "--locked", "--release", "--target", TARGET])
+            .env(target.variable("RUSTFLAGS"), "-Ctarget-feature=+crt-static")
             .arg("--target-dir")
             .arg(workspace.target_dir.join("aarch64"))
     }
-}
-
-impl Library {
-    fn find(workspace: &Workspace, toolbox: &Toolbox<'_>) -> Result<Self> {
-        let shell = &workspace.shell;
-        let rustc = env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
-        let active = PathBuf::from(cmd!(shell, "{rustc} --print sysroot").quiet().read()?);
-        if has_std(&active) {
-            return Ok(Self::Compiled);
-        }
-        if active.join(COMPILER_SOURCES).is_file() {
-            return Ok(Self::FromSource);
-        }
-        let compiler = toolbox.provide(Tool::Compiler)?;
-        Ok(Self::Fetched {
-            rustc: compiler.program("rustc"),
-            cargo: compiler.program("cargo"),
-        })
-    }
-}
-
-/// Returns true if a toolchain has a compiled standard library for the target.
-fn has_std(sysroot: &Path) -> bool {
-    let libraries = sysroot.join("lib/rustlib").join(TARGET).join("lib");
-    file_names(&libraries)
-        .iter()
-        .any(|name| name.starts_with("libstd-"))
-}
-
-/// Returns cargo's variable for a setting of the target.
-fn variable(setting: &str) -> String {
-    let target = TARGET.replace('-', "_").to_uppercase();
-    format!("CARGO_TARGET_{target}_{setting}")
 }

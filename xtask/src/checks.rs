@@ -11,7 +11,7 @@ use crate::{
     equipment::{Equipment, Need},
     exchange,
     firmware::{self, Image},
-    kernel, no_panic, schedule, verify, wheel,
+    kernel, no_panic, schedule, verify, web, wheel,
     workspace::Workspace,
 };
 
@@ -69,6 +69,8 @@ pub(crate) enum Step {
     BoardFlight,
     /// Build the library for C, and run its programs on this PC and in QEMU
     C,
+    /// Build the page with the camera's code as WebAssembly, and drive it in a browser
+    Web,
     /// Compare instructions, image sizes and stack with the tables in docs
     Costs,
 }
@@ -96,7 +98,8 @@ impl Step {
             | Self::HostTests
             | Self::Verify
             | Self::Exchange
-            | Self::Python => &[],
+            | Self::Python
+            | Self::Web => &[],
             Self::TargetLints | Self::FirmwareLints | Self::Board => {
                 &[Need::Compiler, Need::Clippy]
             }
@@ -197,6 +200,7 @@ fn run_step(step: Step, workspace: &Workspace, equipment: &Equipment<'_>) -> Res
             let target = target()?;
             return c::check(workspace, target, equipment.emulator()?, equipment.toolbox());
         }
+        Step::Web => return web::check(workspace, equipment.toolbox()),
         Step::Costs => {
             let targets = equipment.targets()?;
             return bench::check(workspace, targets, equipment.emulator()?, equipment.toolbox());

@@ -21,6 +21,7 @@ mod kernel;
 mod machine;
 mod missing;
 mod no_panic;
+mod other_target;
 mod python;
 mod route;
 mod schedule;
@@ -29,6 +30,7 @@ mod target;
 mod tools;
 mod verify;
 mod version;
+mod web;
 mod wheel;
 mod workspace;
 
@@ -94,6 +96,16 @@ enum Command {
     /// Python's packages are fetched into the target directory. The wheel is for glibc 2.17 and
     /// later where zig can be fetched. Spark is tested where there is Java, and times are taken.
     Python,
+    /// Build the page that computes with the camera's own code, and check it in a browser
+    ///
+    /// The page goes to target/web. Where the active compiler has no library for the target (rustup
+    /// target add wasm32-unknown-unknown), Debian's is fetched into the target directory, and so is
+    /// Chromium where none is on the search path.
+    Web {
+        /// Write the page to docs/demo
+        #[arg(long)]
+        update: bool,
+    },
     /// Check formatting, lints, documentation and tests
     ///
     /// On the host: formatting, lints, documentation and tests. For the target: lints, builds, and
@@ -143,6 +155,8 @@ fn main() -> ExitCode {
         ),
         Command::Python => (
             Workspace::new().and_then(|workspace| wheel::run(&workspace)),
+        Command::Web { update } => (
+            Workspace::new().and_then(|workspace| web::run(&workspace, update)),
             CHECK_FAILED,
         ),
         Command::Test { only, among_others } => (

@@ -110,7 +110,8 @@ fn remedy(tool: Tool, system: &System) -> String {
             | Tool::Aarch64
             | Tool::ArmGcc
             | Tool::Cmake
-            | Tool::Cppcheck => {}
+            | Tool::Cppcheck
+            | Tool::Browser => {}
         }
     }
     // A Rust that is not a distribution's comes with everything that a target needs.
@@ -129,6 +130,8 @@ fn remedy(tool: Tool, system: &System) -> String {
         ) => {
             format!("sudo apt-get install {}", tool.packages().join(" "))
         }
+        // Ubuntu's own package of Chromium is a snap, which has no files of its own.
+        (Family::Ubuntu, Tool::Browser) => "sudo snap install chromium".to_owned(),
         // Ubuntu has none of Debian's packages of a compiler for browsers.
         (Family::Ubuntu, _) => rustup("sudo apt-get install"),
         (Family::Arch, Tool::Aarch64) => {
@@ -145,6 +148,7 @@ fn remedy(tool: Tool, system: &System) -> String {
         }
         (Family::Fedora, Tool::Cmake) => "sudo dnf install cmake".to_owned(),
         (Family::Fedora, Tool::Cppcheck) => "sudo dnf install cppcheck".to_owned(),
+        (Family::Fedora, Tool::Browser) => "sudo dnf install chromium".to_owned(),
         (Family::Fedora, _) => rustup("sudo dnf install"),
         (Family::Arch, Tool::Qemu) => "sudo pacman -S qemu-system-arm".to_owned(),
         (Family::Arch, Tool::Llvm) => "sudo pacman -S llvm".to_owned(),
@@ -154,6 +158,7 @@ fn remedy(tool: Tool, system: &System) -> String {
         }
         (Family::Arch, Tool::Cmake) => "sudo pacman -S cmake".to_owned(),
         (Family::Arch, Tool::Cppcheck) => "sudo pacman -S cppcheck".to_owned(),
+        (Family::Arch, Tool::Browser) => "sudo pacman -S chromium".to_owned(),
         (Family::Arch, _) => rustup("sudo pacman -S"),
         (Family::MacOs, Tool::Qemu) => "brew install qemu".to_owned(),
         (Family::MacOs, Tool::Llvm) => "brew install llvm".to_owned(),
@@ -161,6 +166,7 @@ fn remedy(tool: Tool, system: &System) -> String {
         (Family::MacOs, Tool::ArmGcc) => "brew install gcc-arm-embedded".to_owned(),
         (Family::MacOs, Tool::Cmake) => "brew install cmake".to_owned(),
         (Family::MacOs, Tool::Cppcheck) => "brew install cppcheck".to_owned(),
+        (Family::MacOs, Tool::Browser) => "brew install --cask google-chrome".to_owned(),
         (Family::MacOs, _) => rustup("brew install"),
         (Family::Windows, Tool::Qemu) => {
             "winget install --id SoftwareFreedomConservancy.QEMU".to_owned()
@@ -172,6 +178,7 @@ fn remedy(tool: Tool, system: &System) -> String {
         }
         (Family::Windows, Tool::Cmake) => "winget install --id Kitware.CMake".to_owned(),
         (Family::Windows, Tool::Cppcheck) => "winget install --id Cppcheck.Cppcheck".to_owned(),
+        (Family::Windows, Tool::Browser) => "winget install --id Google.Chrome".to_owned(),
         (Family::Windows, _) => "winget install --id Rustlang.Rustup".to_owned(),
         (Family::Other, Tool::Qemu) => {
             "put qemu-system-arm, 7.2 or later, on the search path".to_owned()
@@ -183,6 +190,7 @@ fn remedy(tool: Tool, system: &System) -> String {
         (Family::Other, Tool::ArmGcc) => "put arm-none-eabi-gcc on the search path".to_owned(),
         (Family::Other, Tool::Cmake) => "put cmake on the search path".to_owned(),
         (Family::Other, Tool::Cppcheck) => "put cppcheck on the search path".to_owned(),
+        (Family::Other, Tool::Browser) => "put chromium on the search path".to_owned(),
         (Family::Other, _) => "rustup target add thumbv7em-none-eabihf".to_owned(),
     }
 }

@@ -33,6 +33,7 @@ const LANES: [&[Step]; 2] = [
         Step::Verify,
         Step::Exchange,
         Step::Python,
+        Step::Web,
         Step::Docs,
         Step::HilLints,
     ],

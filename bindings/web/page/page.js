@@ -20,7 +20,7 @@ const SOURCES = [
 const ASSUMED = [5, 1, 10, 1, 1, 1, 0.1], HEIGHT_M = 1000;
 const AXES = [[1, 0], [-1, 0], [0, 1], [0, -1]];
 const SETTINGS = ["vh", "exposure", "run-up", "offset", "focus", "direction"];
-let library, camera, cameraText = "", cameraName = null, mechanism = 0;
+let library, camera, cameraText = "", cameraName = null, mechanism = 0, pending;
 
 // Three digits, and no more than four decimals.
 function digits(value) {
@@ -181,14 +181,11 @@ function draw(frame, added) {
   $("axis").setAttribute("d", `M${bx} ${by}l${ex * tip} ${ey * tip}` +
     `m${-ex * barb - ey * barb} ${-ey * barb + ex * barb}l${ex * barb + ey * barb} ${ey * barb - ex * barb}` +
     `l${-ex * barb + ey * barb} ${-ey * barb - ex * barb}`);
-  for (const [name, x, y] of [["e", bx, by + margin / 3], ["right", w / 2 - margin, h / 2 + margin / 2]]) {
-    $(name).setAttribute("x", x);
-    $(name).setAttribute("y", y);
-    $(name).setAttribute("font-size", size / 32);
-  }
+  const label = { x: bx, y: by + margin / 3, "font-size": size / 32 };
+  for (const [name, value] of Object.entries(label)) $("e").setAttribute(name, value);
   const shown = scale >= 1 ? `${scale.toLocaleString("en")} times enlarged` : `reduced to ${scale}`;
   const long = `the longest is ${digits(1000 * longest)} µm = ${digits((1000 * longest) / pixel)} px`;
-  $("scale").textContent = longest > 0 ? `Arrows ${shown}; ${long}.` : "The motion adds nothing: no arrow is longer than 0.";
+  $("scale").textContent = longest > 0 ? `x to the right, y up. Arrows ${shown}; ${long}.` : "The motion adds nothing: no arrow is longer than 0.";
   figure.setAttribute("aria-label", `Sensor of ${digits(w)} by ${digits(h)} mm with arrows of what the motion adds to the distortion. ${$("scale").textContent}`);
 }
 
@@ -214,13 +211,10 @@ function link() {
   if (cameraName) words.set("camera", cameraName);
   else words.set("text", cameraText);
   const address = `#${words}`;
-  try {
-    history.replaceState(null, "", address);
-  } catch (error) {
-    // A browser limits how often this may happen; the link is right all the same.
-    if (error.name !== "SecurityError") throw error;
-  }
   $("link").href = address;
+  // A browser ignores addresses that change too often.
+  clearTimeout(pending);
+  pending = setTimeout(() => history.replaceState(null, "", address), 300);
 }
 function fromLink() {
   const words = new URLSearchParams(location.hash.slice(1));
@@ -262,7 +256,8 @@ async function start() {
   });
   $("link").addEventListener("click", (event) => {
     event.preventDefault();
-    navigator.clipboard?.writeText(location.href).then(
+    history.replaceState(null, "", $("link").href);
+    navigator.clipboard?.writeText($("link").href).then(
       () => { $("copied").textContent = "Copied."; },
       () => { $("copied").textContent = "It is in the address bar."; });
   });

@@ -56,6 +56,8 @@ pub(crate) enum Tool {
     Cmake,
     /// Checker of C sources, with its rules of MISRA C.
     Cppcheck,
+    /// Chromium without a window, and letters for its pictures.
+    Browser,
 }
 
 impl Tool {
@@ -72,6 +74,7 @@ impl Tool {
             Self::ArmGcc => "arm-gcc",
             Self::Cmake => "cmake",
             Self::Cppcheck => "cppcheck",
+            Self::Browser => "browser",
         }
     }
 
@@ -92,6 +95,7 @@ impl Tool {
             Self::ArmGcc => &["gcc-arm-none-eabi"],
             Self::Cmake => &["cmake"],
             Self::Cppcheck => &["cppcheck"],
+            Self::Browser => &["chromium-headless-shell", "fonts-dejavu-core"],
         }
     }
 
@@ -109,6 +113,16 @@ impl Tool {
             Self::ArmGcc => &["arm-none-eabi-gcc"],
             Self::Cmake => &["cmake"],
             Self::Cppcheck => &["cppcheck"],
+            Self::Browser => &["chromium-headless-shell"],
+        }
+    }
+
+    /// Returns the directory of the programs, below the root of the packages.
+    fn programs_directory(self) -> &'static str {
+        match self {
+            // The program of the search path is a script that names this place of the system.
+            Self::Browser => "usr/lib/chromium",
+            _ => "usr/bin",
         }
     }
 
@@ -124,7 +138,8 @@ impl Tool {
             | Self::Aarch64
             | Self::ArmGcc
             | Self::Cmake
-            | Self::Cppcheck => None,
+            | Self::Cppcheck
+            | Self::Browser => None,
         }
     }
 
@@ -156,6 +171,7 @@ impl fmt::Display for Tool {
             Self::ArmGcc => "C compiler for the target",
             Self::Cmake => "CMake",
             Self::Cppcheck => "checker of C sources",
+            Self::Browser => "browser",
         })
     }
 }

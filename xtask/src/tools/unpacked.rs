@@ -66,8 +66,11 @@ impl Unpacked {
         fs::create_dir_all(self.bin()).with_context(|| self.bin().display().to_string())?;
         for name in tool.programs() {
             let path = self.program(name);
-            write_program(&path, &launcher(name, &libraries))
-                .with_context(|| path.display().to_string())?;
+            write_program(
+                &path,
+                &launcher(tool.programs_directory(), name, &libraries),
+            )
+            .with_context(|| path.display().to_string())?;
         }
         fs::write(self.release(), release).with_context(|| self.release().display().to_string())
     }
@@ -141,7 +144,7 @@ fn library_directories(root: &Path, prefix: &str) -> Vec<String> {
 
 /// Returns the text of a program that runs another one with these directories of libraries, which
 /// are relative to the tool's.
-fn launcher(name: &str, libraries: &[String]) -> String {
+fn launcher(place: &str, name: &str, libraries: &[String]) -> String {
     let libraries: Vec<_> = libraries
         .iter()
         .map(|directory| format!("$here/{directory}"))
@@ -152,7 +155,7 @@ fn launcher(name: &str, libraries: &[String]) -> String {
 # Runs {name} of the packages in ../root with the libraries that came along.
 here=$(cd \"${{0%/*}}/..\" && pwd)
 export LD_LIBRARY_PATH=\"{libraries}${{LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH}}\"
-exec \"$here/root/usr/bin/{name}\" \"$@\"
+exec \"$here/root/{place}/{name}\" \"$@\"
 "
     )
 }

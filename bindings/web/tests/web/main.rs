@@ -1,0 +1,4 @@
+//! The functions of the page against those of the PC.
+
+#[cfg(test)]
+mod budget;
