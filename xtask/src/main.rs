@@ -155,6 +155,8 @@ fn main() -> ExitCode {
         ),
         Command::Python => (
             Workspace::new().and_then(|workspace| wheel::run(&workspace)),
+            CHECK_FAILED,
+        ),
         Command::Web { update } => (
             Workspace::new().and_then(|workspace| web::run(&workspace, update)),
             CHECK_FAILED,
