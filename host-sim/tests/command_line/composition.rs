@@ -14,7 +14,7 @@ use crate::command_line::support::Bench;
 fn bench() -> Bench {
     let bench = Bench::new();
     let arguments = [
-        "scene", "dmz", "--scale", "16", "--darks", "1", "--out", "scene",
+        "scene", "dmz", "--scale", "16", "--darks", "2", "--out", "scene",
     ];
     bench.run(&arguments).ok();
     bench
@@ -174,7 +174,7 @@ fn publication_is_repeated_within_its_limits_and_true_virtual_images_are_a_stere
     answer.ok();
     let found = summary(&bench, "dmz/summary.json");
     let checks = found.as_array().unwrap();
-    assert!(checks.len() >= 26, "{found}");
+    assert!(checks.len() >= 34, "{found}");
     for check in checks {
         assert_eq!(check["passed"], true, "{check}");
         assert!(check["found"].as_f64().unwrap() > 0.0, "{check}");

@@ -11,8 +11,14 @@ use super::places::Places;
 use crate::command::composition::virtual_image::{Choices, Frames, Summary, compose_frames};
 use crate::failure::Failure;
 
-/// Relief, standard deviation of the heights, m.
-const RELIEFS_M: [f64; 5] = [0.0, 1.0, 5.0, 10.0, 30.0];
+/// Relief, standard deviation of the heights, m, and whether virtual images are composed over it.
+const RELIEFS_M: [(f64, bool); 5] = [
+    (0.0, true),
+    (1.0, true),
+    (5.0, true),
+    (10.0, false),
+    (30.0, true),
+];
 /// Pixels around its place in which a place of the virtual image is searched.
 pub(super) const SEARCH_PX: usize = 8;
 /// Pixels beyond it, at most, where heights are ignored.
@@ -30,9 +36,12 @@ pub(super) struct Way<'a> {
 #[derive(Debug)]
 struct Outcome {
     rig: Judgement,
-    /// Places of the virtual image and steps at its seams; why there is none.
-    image: Result<(Places, Option<f64>), String>,
+    /// Virtual image; `None` where none is composed.
+    image: Option<Image>,
 }
+
+/// Places of a virtual image and steps at its seams, or why there is none.
+type Image = Result<(Places, Option<f64>), String>;
 
 /// Calibrates rigs and composes virtual images over every relief, our way beside that of Zhao et
 /// al.
@@ -42,27 +51,30 @@ pub(super) fn over_relief(
     findings: &mut Findings,
 ) -> Result<(), Failure> {
     let (mut of_rigs, mut of_images) = (Vec::new(), Vec::new());
-    for relief_m in RELIEFS_M {
+    for (relief_m, with_image) in RELIEFS_M {
         let scene = Scene::new(SceneRequest {
             relief_m,
             ..*request
         });
-        let truth = scene.true_image(0);
-        let ours = outcome(&scene, &truth, own)?;
-        let theirs = outcome(&scene, &truth, published);
+        let truth = with_image.then(|| scene.true_image(0));
+        let truth = truth.as_ref();
+        let ours = outcome(&scene, truth, own)?;
+        let theirs = outcome(&scene, truth, published);
         check(relief_m, &ours, findings);
         of_rigs.push(rig_row(
             relief_m,
             &ours.rig,
             theirs.as_ref().ok().map(|one| &one.rig),
         ));
-        let mut row = vec![format!("{relief_m}")];
-        row.extend(image_cells(&ours));
-        row.extend(match &theirs {
-            Ok(theirs) => image_cells(theirs),
-            Err(error) => [error.text().to_owned(), String::new(), String::new()],
-        });
-        of_images.push(row);
+        if let Some(ours) = &ours.image {
+            let mut row = vec![format!("{relief_m}")];
+            row.extend(image_cells(ours));
+            row.extend(match &theirs {
+                Ok(theirs) => theirs.image.as_ref().map(image_cells).unwrap_or_default(),
+                Err(error) => [error.text().to_owned(), String::new(), String::new()],
+            });
+            of_images.push(row);
+        }
     }
     findings.sections.push(Section {
         heading: "Relief: rig".to_owned(),
@@ -100,7 +112,7 @@ pub(super) fn over_relief(
     Ok(())
 }
 
-fn outcome(scene: &Scene, truth: &Plane, way: Way) -> Result<Outcome, Failure> {
+fn outcome(scene: &Scene, truth: Option<&Plane>, way: Way) -> Result<Outcome, Failure> {
     let exposures: &[usize] = match way.heights {
         Heights::Use => &[0, 1],
         Heights::Ignore => &[0],
@@ -109,11 +121,11 @@ fn outcome(scene: &Scene, truth: &Plane, way: Way) -> Result<Outcome, Failure> {
     let judged = scene
         .judge(&rig)
         .ok_or_else(|| Failure::bad_input("the rig has other sub-images than its scene"))?;
-    let image = composed(scene, &rig, truth, way);
-    Ok(Outcome {
-        rig: judged,
-        image: image.map_err(|error| error.text().to_owned()),
-    })
+    let image = truth.map(|truth| {
+        let image = composed(scene, &rig, truth, way);
+        image.map_err(|error| error.text().to_owned())
+    });
+    Ok(Outcome { rig: judged, image })
 }
 
 fn composed(
@@ -152,44 +164,31 @@ pub(super) fn wide_search_px(relief_m: f64) -> usize {
 }
 
 fn check(relief_m: f64, ours: &Outcome, findings: &mut Findings) {
-    let (image_px, complete, step_px) = match &ours.image {
-        Ok((places, step)) => (places.residual_px(), places.is_complete(), *step),
-        Err(_) => (f64::INFINITY, false, None),
-    };
     let places = "at 30 places of each sub-image";
-    for (what, found, most, passed) in [
-        (
-            format!("rig against truth {places}"),
-            ours.rig.rig_px,
-            LARGEST_PX,
-            true,
-        ),
-        (
-            "steps of the rig at seams".to_owned(),
-            ours.rig.seams_px,
-            LARGEST_STEP_PX,
-            true,
-        ),
-        (
-            format!("virtual image against truth {places}, after one cubic"),
-            image_px,
-            LARGEST_PX,
-            complete,
-        ),
-        (
-            "steps of the virtual image at seams".to_owned(),
-            step_px.unwrap_or(f64::INFINITY),
-            LARGEST_STEP_PX,
-            true,
-        ),
-    ] {
+    let mut judge = |what: &str, found: f64, most: f64, complete: bool| {
         findings.checks.push(Check {
             what: format!("relief {relief_m} m: {what}, px rms"),
             found,
             limit: format!("at most {most}"),
-            passed: passed && found <= most,
+            passed: complete && found <= most,
         });
-    }
+    };
+    let of_rig = format!("rig against truth {places}");
+    judge(&of_rig, ours.rig.rig_px, LARGEST_PX, true);
+    let seams_px = ours.rig.seams_px;
+    judge("steps of the rig at seams", seams_px, LARGEST_STEP_PX, true);
+    let Some(image) = &ours.image else {
+        return;
+    };
+    let (image_px, complete, step_px) = match image {
+        Ok((places, step)) => (places.residual_px(), places.is_complete(), *step),
+        Err(_) => (f64::INFINITY, false, None),
+    };
+    let of_image = format!("virtual image against truth {places}, after one cubic");
+    judge(&of_image, image_px, LARGEST_PX, complete);
+    let step_px = step_px.unwrap_or(f64::INFINITY);
+    let of_steps = "steps of the virtual image at seams";
+    judge(of_steps, step_px, LARGEST_STEP_PX, true);
 }
 
 fn rig_row(relief_m: f64, ours: &Judgement, theirs: Option<&Judgement>) -> Vec<String> {
@@ -204,8 +203,8 @@ fn rig_row(relief_m: f64, ours: &Judgement, theirs: Option<&Judgement>) -> Vec<S
     ]
 }
 
-fn image_cells(outcome: &Outcome) -> [String; 3] {
-    match &outcome.image {
+fn image_cells(image: &Image) -> [String; 3] {
+    match image {
         Ok((places, step)) => [
             format!("{:.2}", places.residual_px()),
             format!("{} of {}", places.matched, places.tried),
