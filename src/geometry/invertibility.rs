@@ -177,7 +177,7 @@ fn largest_displacement(form: &EvaluationForm, lengths: &Lengths, radius: f32) -
     radius * (gain + lengths.decentring * radius + lengths.affinity)
 }
 
-/// What tells the derivatives of one component of the distortion from those of the other.
+/// Terms in which the derivatives of one component of the distortion differ from the other's.
 #[derive(Clone, Copy)]
 struct Component {
     gain: Interval,

@@ -3,8 +3,8 @@
 
 use super::calibration::Calibration;
 use super::evaluation_form::{Displacement, EvaluationForm, Jacobian};
-use super::frame_correction::Terms;
 use super::sensor::SensorPoint;
+use fmc_camera_kernel::Terms;
 
 /// Largest error, nm, that the last Newton step of `distort` leaves in the displacement: a tenth of
 /// the rounding of the distortion.

@@ -163,7 +163,11 @@ impl Coefficients {
 
     /// Returns the measured point of an ideal one after the first step, its distortion, and the
     /// square of the step's length, mm².
-    #[inline]
+    #[expect(
+        clippy::inline_always,
+        reason = "a call for every point costs as much as a tenth of its loop"
+    )]
+    #[inline(always)]
     #[must_use]
     pub fn first_step<const FULL: bool>(&self, [x, y]: [f32; 2]) -> FirstStep {
         let (from_centre_x, from_centre_y) = (x - self.cx, y - self.cy);

@@ -3,7 +3,7 @@
 /// Returns the square root, rounded to the nearest number; a NaN for numbers below zero.
 ///
 /// IEEE 754 determines its bits: they are those of `libm`, which computes in whole numbers what the
-/// instruction of a Cortex-M4F or M7 does in 14 cycles.
+/// instruction of a Cortex-M4F or M7 gives.
 #[inline]
 #[must_use]
 pub fn sqrt(number: f32) -> f32 {

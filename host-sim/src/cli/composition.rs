@@ -92,8 +92,8 @@ pub struct SceneOptions {
 #[derive(Debug, Args)]
 pub struct RadiometryArgs {
     /// Folder with `flats/ID_NN.tif` and `darks/ID_NN.tif` of every sub-image ID, NN being the set
-    /// that all sub-images share. Optional `flats/levels.csv`: `set,exposure_s`, and `irradiance` in
-    /// any unit where the source changed; with it linearity is told.
+    /// that all sub-images share. Optional `flats/levels.csv`: `set,exposure_s`, and `irradiance`
+    /// in any unit where the source changed; with it linearity is told.
     #[arg(value_name = "DIR")]
     pub frames: PathBuf,
     /// Rig file (TOML): ids, sizes and places of the sub-images.

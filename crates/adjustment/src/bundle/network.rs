@@ -62,8 +62,8 @@ pub struct ImagePoint {
     /// Measured point, in an image with a record reduced by it to the calibrated principal point
     /// and principal distance; sensor frame, mm.
     pub measured_mm: [f64; 2],
-    /// Distortion that the residual grids of the camera add at the measured point, measured - ideal,
-    /// in the scale of `measured_mm`, mm.
+    /// Distortion that the residual grids of the camera add at the measured point,
+    /// measured - ideal, in the scale of `measured_mm`, mm.
     pub by_grids_mm: [f64; 2],
     /// σ of either coordinate, mm.
     pub sigma_mm: f64,

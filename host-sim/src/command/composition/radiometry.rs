@@ -20,7 +20,7 @@ use folder::{Content, DESCRIPTION};
 
 pub(super) use folder::RadiometryFolder;
 
-/// What flats and darks alone do not tell.
+/// Figures that flats and darks alone do not give.
 const UNSEEN: &str = "Not determined: quantum efficiency and responsivity (photons per pixel), dark current (darks of several exposure times), and a non-uniformity of the source, which is in gain and falloff unseen (flats with the camera turned by 180° would tell it).";
 const NO_LINEARITY: &str = "Not determined: linearity; flats/levels.csv with set,exposure_s would tell it, of three or more sets from 5 to 95 % of saturation.";
 

@@ -249,7 +249,7 @@ where
     image.write_data(samples).unwrap();
 }
 
-/// What `rectify` refuses of a frame.
+/// Images that `rectify` refuses as frames.
 #[test]
 fn images_that_rectify_refuses_are_refused_of_every_kind() {
     let bench = bench();

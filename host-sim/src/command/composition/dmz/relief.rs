@@ -32,7 +32,7 @@ pub(super) struct Way<'a> {
     pub(super) choices: Choices,
 }
 
-/// What a way makes of a relief.
+/// Outcome of one way for a relief.
 #[derive(Debug)]
 struct Outcome {
     rig: Judgement,

@@ -1,4 +1,4 @@
-//! What radiometric corrections leave of flats.
+//! Differences that radiometric corrections leave in flats.
 
 use fmc_composition::scene::Scene;
 use fmc_report::composition::page::Section;

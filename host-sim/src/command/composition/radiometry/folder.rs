@@ -41,7 +41,7 @@ const fn usual_unit() -> f64 {
     OFFSET_UNIT
 }
 
-/// What is written of a radiometry.
+/// Content of the files of a radiometry.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Content<'a> {
     pub(super) method: Method,
