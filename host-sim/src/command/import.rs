@@ -25,12 +25,7 @@ use crate::formats::output;
 const SAME_PITCH: f64 = 1e-6;
 
 pub(super) fn run(args: &ImportArgs) -> Result<(), Failure> {
-    for input in [Some(&args.file), args.base.as_ref()].into_iter().flatten() {
-        output::check_not_an_input(&args.out, input)?;
-        if let Some(report) = &args.report {
-            output::check_not_an_input(report, input)?;
-        }
-    }
+    check_outputs(args)?;
     let bytes = read(&args.file)?;
     let base = match &args.base {
         Some(path) => Some(base(path)?),
@@ -128,6 +123,17 @@ pub(super) fn run(args: &ImportArgs) -> Result<(), Failure> {
     output::write(None, |sink: &mut dyn Write| {
         writeln!(sink, "{}", summary.text())
     })
+}
+
+/// Refuses to write over a file that is read.
+fn check_outputs(args: &ImportArgs) -> Result<(), Failure> {
+    for input in [Some(&args.file), args.base.as_ref()].into_iter().flatten() {
+        output::check_not_an_input(&args.out, input)?;
+        if let Some(report) = &args.report {
+            output::check_not_an_input(report, input)?;
+        }
+    }
+    Ok(())
 }
 
 fn write_json(path: &Path, value: &impl Serialize) -> Result<(), Failure> {

@@ -439,13 +439,10 @@ fn later_run_with_one_grid_leaves_no_stale_one_of_the_other_part() {
     let (bench, _) = calibrated("dlt3d", &field_csv(0.3), &grids, &["--estimate", "k1"]);
     let sensor = bench.path("out/grid-sensor.fmcg");
     assert!(sensor.exists());
-    let table: String = grids
-        .table
-        .lines()
-        .filter(|line| !line.starts_with("sensor"))
-        .map(|line| format!("{line}\n"))
-        .collect();
-    fs::write(bench.path("camera.toml"), format!("{CAMERA}{table}")).unwrap();
+    let lines = grids.table.lines();
+    let table: Vec<&str> = lines.filter(|line| !line.starts_with("sensor")).collect();
+    let text = format!("{CAMERA}{}\n", table.join("\n"));
+    fs::write(bench.path("camera.toml"), text).unwrap();
     let again = ["calibrate", "dlt3d", "obs.csv", "--camera", "camera.toml"];
     bench.run(&[&again[..], &["--out", "out"]].concat()).ok();
     assert!(!sensor.exists());

@@ -35,6 +35,31 @@ const RIG: [&str; 8] = [
     "rig",
 ];
 
+/// Checks the figures of a radiometry with levels, as printed and in its file.
+fn states_the_figures_of_emva_1288(bench: &Bench, stdout: &str) {
+    for name in [
+        "PRNU1288, %",
+        "DSNU1288, e-",
+        "μ_e.sat",
+        "σ_d",
+        "LE, %",
+        "DR, dB",
+        "K, DN/e-",
+    ] {
+        assert!(stdout.contains(name), "{name}: {stdout}");
+    }
+    assert!(!stdout.contains("Not determined: linearity"), "{stdout}");
+    let found = summary(bench, "rad/radiometry.json");
+    for sub in found["sub"].as_array().unwrap() {
+        let linearity = &sub[1]["linearity"];
+        assert_eq!(linearity["sets"], 19, "{sub}");
+        // Noise of a set's mean over 100,000 pixels: below 0.01 %.
+        assert!(linearity["error_percent"].as_f64().unwrap() < 0.01, "{sub}");
+        let electrons = sub[1]["temporal_dark_noise_e"].as_f64().unwrap();
+        assert!((19.0..21.0).contains(&electrons), "{sub}");
+    }
+}
+
 #[test]
 fn scene_becomes_a_virtual_image_by_radiometry_and_rig() {
     let bench = bench();
@@ -48,31 +73,7 @@ fn scene_becomes_a_virtual_image_by_radiometry_and_rig() {
         "scene",
     ];
     let answer = bench.run(&radiometry).ok();
-    for name in [
-        "PRNU1288, %",
-        "DSNU1288, e-",
-        "μ_e.sat",
-        "σ_d",
-        "LE, %",
-        "DR, dB",
-        "K, DN/e-",
-    ] {
-        assert!(answer.stdout.contains(name), "{name}: {}", answer.stdout);
-    }
-    assert!(
-        !answer.stdout.contains("Not determined: linearity"),
-        "{}",
-        answer.stdout
-    );
-    let found = summary(&bench, "rad/radiometry.json");
-    for sub in found["sub"].as_array().unwrap() {
-        let linearity = &sub[1]["linearity"];
-        assert_eq!(linearity["sets"], 19, "{sub}");
-        // Noise of a set's mean over 100,000 pixels: below 0.01 %.
-        assert!(linearity["error_percent"].as_f64().unwrap() < 0.01, "{sub}");
-        let electrons = sub[1]["temporal_dark_noise_e"].as_f64().unwrap();
-        assert!((19.0..21.0).contains(&electrons), "{sub}");
-    }
+    states_the_figures_of_emva_1288(&bench, &answer.stdout);
     let answer = bench.run(&[&RIG[..], &["scene/control.csv"]].concat()).ok();
     assert!(
         answer.stdout.contains("kept nominal: mean place"),

@@ -218,7 +218,7 @@ impl<'a> FlightExport<'a> {
 }
 
 /// Returns the formula of measured points that a program with a camera per image holds: that of
-/// OpenTrackIO, without K0 and affinity.
+/// `OpenTrackIO`, without K0 and affinity.
 fn held(camera: &Calibrated) -> Correction {
     let mut held = Correction::of(&camera.polynomial().without_k0());
     held.lens.b = [0.0; 2];

@@ -42,7 +42,7 @@ fn text(points: &[(usize, [f32; 2])]) -> String {
     text
 }
 
-/// Returns x_mm, y_mm, dx_um and dy_um of every row of an answer.
+/// Returns `x_mm`, `y_mm`, `dx_um` and `dy_um` of every row of an answer.
 fn answers(bench: &Bench, command: &str, records: &str, points: &str) -> Vec<[f64; 4]> {
     fs::write(bench.path("points.csv"), points).unwrap();
     let camera = [command, "--camera", "camera.toml", "--records", records];
