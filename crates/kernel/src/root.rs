@@ -2,8 +2,8 @@
 
 /// Returns the square root, rounded to the nearest number; a NaN for numbers below zero.
 ///
-/// IEEE 754 determines its bits: they are those of `libm`, which computes in whole numbers what the
-/// instruction of a Cortex-M4F or M7 gives.
+/// The standard of floating point determines its bits: they are those of `libm`, which computes in
+/// whole numbers what Cortex-M4F and M7 do in hardware.
 #[inline]
 #[must_use]
 pub fn sqrt(number: f32) -> f32 {

@@ -35,8 +35,8 @@ impl WeightedRay {
     /// # Model
     /// That of [`Ray`] with what the residual grids add at the measured point taken off:
     /// `v = x̄ - D(x̄) - G + f·(u1, u2)/u3`. D is that of the point as measured, not of one that
-    /// the grids have corrected already: between them lies the slope of D times G, 120 nm for 4 % and
-    /// 3 µm. G is held, and does not depend on the unknowns.
+    /// the grids have corrected already: between them lies the slope of D times G, 120 nm for 4 %
+    /// and 3 µm. G is held, and does not depend on the unknowns.
     #[must_use]
     pub fn new(
         network: &Network,
