@@ -98,7 +98,14 @@ mod tests {
 
     #[test]
     fn millions_of_points_are_as_many_dots_as_the_figure_has_room_for() {
-        let places = |count: i32| (0..count).map(|n| (n * 7919 % 780, n * 104_729 % 585));
+        // Every place of 780 x 585, in a mixed order.
+        let places = |count: i32| {
+            let mixed = (0..count).scan(0, |place, _| {
+                *place = (*place + 7919) % (780 * 585);
+                Some(*place)
+            });
+            mixed.map(|place| (place % 780, place / 780))
+        };
         let few: Vec<_> = places(5000).collect();
         assert_eq!(thinned(few.clone()), few);
         let many: Vec<_> = places(1_000_000).collect();
