@@ -180,8 +180,8 @@ impl DisciplinedClock {
     fn set_rate(&mut self, from: Time, rate_ppm: f32) {
         self.sum_up(from);
         self.rate_ppm = rate_ppm;
-        let rate = 1e-6 * f64::from(rate_ppm);
-        // Once a second at most: double precision in software does not matter.
+        let rate = 1e-6 * rate_ppm;
+        // Rounded to a thousandth of 1 ppm.
         self.slope = (-rate / (1.0 + rate) * 4_294_967_296.0) as i64;
     }
 

@@ -194,7 +194,7 @@ fn grids_are_part_of_the_identity_and_no_camera_without_has_another() {
         .collect();
     assert_eq!(bytes, postcard);
     let [a, b] = [wave, noise].map(|of| grid(GridCarrier::Lens, of));
-    let crc = |record: &CameraParameters| digest::of_camera(record).unwrap();
+    let crc = |record: &CameraParameters| digest::of_camera(record);
     let crcs = [
         crc(&plain),
         crc(&stating(Some(&a), None)),
@@ -431,7 +431,7 @@ fn records_of_a_flight_state_what_the_grid_of_the_lens_leaves_out() {
     let (plain, plain_crc) = flown(&camera_parameters());
     let stating = stating(Some(&lens), None);
     let (gridded, crc) = flown(&stating);
-    assert_eq!(crc, digest::of_camera(&stating).unwrap());
+    assert_eq!(crc, digest::of_camera(&stating));
     assert_ne!(crc, plain_crc);
     let second = gridded.motion.moments.second;
     let parsed = ResidualGrid::parse(&lens).unwrap();

@@ -136,7 +136,7 @@ pub(crate) fn made(
     parameters: CameraParameters,
     storage: code::fmc_code,
 ) -> Result<Camera, fmc_error> {
-    let crc = digest::of_camera(&parameters).ok_or(Failure::new(FMC_ERROR_BYTES))?;
+    let crc = digest::of_camera(&parameters);
     Ok(Camera::identified(
         parameters,
         crc,

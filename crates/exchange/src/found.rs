@@ -13,12 +13,12 @@ use crate::uncertainty::Uncertainty;
 pub struct Stated<'a> {
     /// Pixel pitch, mm.
     pub pixel_mm: Option<f64>,
-    /// Option or file that states the pitch, for messages; may be empty.
-    pub pixel_from: &'a str,
+    /// Option or file that states the pitch, for messages.
+    pub pixel_from: Option<&'a str>,
     /// Columns and rows, px.
     pub size_px: Option<[u32; 2]>,
-    /// Option or file that states columns and rows, for messages; may be empty.
-    pub size_from: &'a str,
+    /// Option or file that states columns and rows, for messages.
+    pub size_from: Option<&'a str>,
     /// Name of one camera of several.
     pub id: Option<&'a str>,
     /// Sign of the coefficients, for files in which it is not known: `true` for a correction, which
@@ -28,21 +28,13 @@ pub struct Stated<'a> {
 
 impl Stated<'_> {
     /// Returns the words for what states the pitch.
-    pub(crate) const fn pixel_stated_by(&self) -> &str {
-        if self.pixel_from.is_empty() {
-            "the stated ones are"
-        } else {
-            self.pixel_from
-        }
+    pub(crate) fn pixel_stated_by(&self) -> &str {
+        self.pixel_from.unwrap_or("the stated ones are")
     }
 
     /// Returns the words for what states columns and rows.
-    pub(crate) const fn size_stated_by(&self) -> &str {
-        if self.size_from.is_empty() {
-            "the stated one is"
-        } else {
-            self.size_from
-        }
+    pub(crate) fn size_stated_by(&self) -> &str {
+        self.size_from.unwrap_or("the stated one is")
     }
 }
 

@@ -32,7 +32,7 @@ impl FrameCamera {
             name: name.to_owned(),
             camera,
             grids: GridFiles::default(),
-            crcs: [flown, parameters].map(|one| digest::of_camera(&one).unwrap_or_default()),
+            crcs: [flown, parameters].map(|one| digest::of_camera(&one)),
         })
     }
 

@@ -38,9 +38,13 @@ pub(super) fn run(args: &ImportArgs) -> Result<(), Failure> {
     let from_base = args
         .base
         .as_deref()
-        .map_or_else(String::new, |path| format!("--base {}", path.display()));
-    let from = |option: &'static str, is_given: bool| -> &str {
-        if is_given { option } else { &from_base }
+        .map(|path| format!("--base {}", path.display()));
+    let from = |option: &'static str, is_given: bool| -> Option<&str> {
+        if is_given {
+            Some(option)
+        } else {
+            from_base.as_deref()
+        }
     };
     let stated = Stated {
         pixel_from: from("--pixel-um", args.pixel_um.is_some()),

@@ -22,11 +22,10 @@ pub fn of_grid<D: ExposureDistortion>(correction: &D, grid: &Grid) -> u32 {
     digest.finalize()
 }
 
-/// CRC-32 over a camera record as the link carries it: that of the calibration's identity. It is
-/// always there: an [`Option`] as that of [`of_frame_record`].
+/// CRC-32 over a camera record as the link carries it: that of the calibration's identity.
 #[must_use]
-pub fn of_camera(record: &CameraParameters) -> Option<u32> {
-    Some(Identity::of(record))
+pub fn of_camera(record: &CameraParameters) -> u32 {
+    Identity::of(record)
 }
 
 /// Returns the CRC-32 over a frame record as the link carries it; `None` only if it were longer

@@ -10,9 +10,9 @@ use crate::support::{camera, ixm, text, written};
 
 const STATED: Stated<'static> = Stated {
     pixel_mm: Some(0.00376),
-    pixel_from: "--pixel-um",
+    pixel_from: Some("--pixel-um"),
     size_px: None,
-    size_from: "--size",
+    size_from: Some("--size"),
     id: None,
     is_correction: None,
 };
