@@ -30,6 +30,9 @@ const LONGEST_US: i64 = 1 << 31;
 /// Parts of a microsecond in which the correction is kept, as a power of two.
 const FRACTION_BITS: u32 = 32;
 
+/// Parts of a microsecond.
+const PARTS: f32 = 65_536.0 * 65_536.0;
+
 /// Clock whose rate follows the time pulses.
 ///
 /// # Model
@@ -182,7 +185,7 @@ impl DisciplinedClock {
         self.rate_ppm = rate_ppm;
         let rate = 1e-6 * rate_ppm;
         // Rounded to a thousandth of 1 ppm.
-        self.slope = (-rate / (1.0 + rate) * 4_294_967_296.0) as i64;
+        self.slope = (-rate / (1.0 + rate) * PARTS) as i64;
     }
 
     /// Sums the correction up to a time of the counter.

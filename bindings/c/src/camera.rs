@@ -11,7 +11,7 @@ use crate::code;
 use crate::error::{Failure, fmc_error, fmc_status};
 use crate::memory::{self, Storage};
 use crate::version::checked;
-use crate::{FMC_ERROR_BYTES, FMC_ERROR_UNINITIALISED, FMC_SERIAL_LENGTH};
+use crate::{FMC_ERROR_UNINITIALISED, FMC_SERIAL_LENGTH};
 
 /// Words of a camera.
 pub const FMC_CAMERA_WORDS: usize = 48;

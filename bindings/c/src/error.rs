@@ -95,14 +95,11 @@ pub struct fmc_error {
     pub expected: u32,
 }
 
-/// A refusal about an argument.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Failure(fmc_error);
-
-impl Failure {
-    /// Returns a refusal with a status and without details.
-    pub(crate) const fn new(status: fmc_status) -> Self {
-        Self(fmc_error {
+impl fmc_error {
+    /// Returns the error of a status without details.
+    #[must_use]
+    pub const fn of_status(status: fmc_status) -> Self {
+        Self {
             status,
             quantity: FMC_NO_QUANTITY,
             value: 0.0,
@@ -115,7 +112,18 @@ impl Failure {
             argument: 0,
             number: 0,
             expected: 0,
-        })
+        }
+    }
+}
+
+/// A refusal about an argument.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Failure(fmc_error);
+
+impl Failure {
+    /// Returns a refusal with a status and without details.
+    pub(crate) const fn new(status: fmc_status) -> Self {
+        Self(fmc_error::of_status(status))
     }
 
     /// Returns a refusal about an argument, from 1.

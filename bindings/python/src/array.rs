@@ -21,6 +21,20 @@ pub(crate) struct Arguments<'a, 'py> {
     pub(crate) inplace: bool,
 }
 
+impl<'a, 'py> Arguments<'a, 'py> {
+    pub(crate) const fn new(
+        points: &'a Bound<'py, PyAny>,
+        out: Option<&'a Bound<'py, PyAny>>,
+        inplace: bool,
+    ) -> Self {
+        Self {
+            points,
+            out,
+            inplace,
+        }
+    }
+}
+
 /// A computation on points.
 pub(crate) trait Work: Sync {
     /// Checks the shape of an array of points.
@@ -55,7 +69,10 @@ pub(crate) trait Work: Sync {
         from: usize,
         points: &[[T; 2]],
         answers: &mut [[T; 2]],
-    ) -> PyResult<()>;
+    ) -> PyResult<()> {
+        answers.copy_from_slice(points);
+        self.replace(from, answers)
+    }
 }
 
 /// Returns the error of a shape.

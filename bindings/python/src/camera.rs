@@ -280,11 +280,7 @@ impl Camera {
         if frame.camera.camera.crc() != self.parts.camera.crc() {
             return Err(error::of_text("frame: of another camera than this one"));
         }
-        let arguments = Arguments {
-            points,
-            out,
-            inplace,
-        };
+        let arguments = Arguments::new(points, out, inplace);
         array::answered(&arguments, ReferencePoints::new(frame))
     }
 }

@@ -211,11 +211,7 @@ impl Frame {
         inplace: bool,
         off_sensor: &str,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let arguments = Arguments {
-            points,
-            out,
-            inplace,
-        };
+        let arguments = Arguments::new(points, out, inplace);
         self.answer(
             &arguments,
             Direction::Correct,
@@ -234,11 +230,7 @@ impl Frame {
         inplace: bool,
         off_sensor: &str,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let arguments = Arguments {
-            points,
-            out,
-            inplace,
-        };
+        let arguments = Arguments::new(points, out, inplace);
         self.answer(
             &arguments,
             Direction::Distort,
@@ -256,11 +248,7 @@ impl Frame {
         inplace: bool,
         off_sensor: &str,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let arguments = Arguments {
-            points,
-            out,
-            inplace,
-        };
+        let arguments = Arguments::new(points, out, inplace);
         self.answer(&arguments, Direction::Correct, off_sensor, Unit::Pixels)
     }
 
@@ -274,11 +262,7 @@ impl Frame {
         inplace: bool,
         off_sensor: &str,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let arguments = Arguments {
-            points,
-            out,
-            inplace,
-        };
+        let arguments = Arguments::new(points, out, inplace);
         self.answer(&arguments, Direction::Distort, off_sensor, Unit::Pixels)
     }
 

@@ -300,11 +300,7 @@ impl Frames {
         inplace: bool,
         off_sensor: &str,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let arguments = Arguments {
-            points,
-            out,
-            inplace,
-        };
+        let arguments = Arguments::new(points, out, inplace);
         self.answered(&arguments, index, Direction::Correct, [answer, off_sensor])
     }
 
@@ -321,11 +317,7 @@ impl Frames {
         inplace: bool,
         off_sensor: &str,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let arguments = Arguments {
-            points,
-            out,
-            inplace,
-        };
+        let arguments = Arguments::new(points, out, inplace);
         self.answered(&arguments, index, Direction::Distort, [answer, off_sensor])
     }
 }

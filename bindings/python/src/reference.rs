@@ -54,14 +54,4 @@ impl Work for ReferencePoints {
         }
         Ok(())
     }
-
-    fn write<T: Coordinate>(
-        &self,
-        from: usize,
-        points: &[[T; 2]],
-        answers: &mut [[T; 2]],
-    ) -> PyResult<()> {
-        answers.copy_from_slice(points);
-        self.replace(from, answers)
-    }
 }

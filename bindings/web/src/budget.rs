@@ -6,8 +6,8 @@ use fmc::flight::exposure::Exposure;
 use fmc::geometry::image_motion::ImageMotionError;
 use fmc::geometry::principal_distance::Flatness;
 use fmc_camera_c::{
-    FMC_ERROR_NULL, FMC_ERROR_OUT_OF_RANGE, FMC_MECHANISM_TDI, FMC_NO_QUANTITY, FMC_OK,
-    fmc_camera_record, fmc_error, fmc_status,
+    FMC_ERROR_NULL, FMC_ERROR_OUT_OF_RANGE, FMC_MECHANISM_TDI, FMC_OK, fmc_camera_record,
+    fmc_error, fmc_status,
 };
 
 use crate::distortion::missed;
@@ -152,18 +152,8 @@ fn refused(error: ImageMotionError) -> fmc_error {
         ImageMotionError::OutOfRange(error) => error.into(),
         // The camera looks straight down, so that it does not see the horizon.
         ImageMotionError::Horizon(scale) => fmc_error {
-            status: FMC_ERROR_OUT_OF_RANGE,
-            quantity: FMC_NO_QUANTITY,
             value: scale,
-            least: 0.0,
-            most: 0.0,
-            other: 0.0,
-            x_mm: 0.0,
-            y_mm: 0.0,
-            index: 0,
-            argument: 0,
-            number: 0,
-            expected: 0,
+            ..fmc_error::of_status(FMC_ERROR_OUT_OF_RANGE)
         },
     }
 }

@@ -126,7 +126,7 @@ fn left_out_um(file: &CameraFile) -> f64 {
 
 fn computed(record: &fmc_camera_record, assumed: &Assumptions) -> Result<Budget, fmc_error> {
     let mut budget = Budget::default();
-    let mut error = no_error();
+    let mut error = fmc_error::of_status(FMC_OK);
     let status = fmc_web_budget(
         Some(record),
         Some(assumed),
@@ -138,23 +138,6 @@ fn computed(record: &fmc_camera_record, assumed: &Assumptions) -> Result<Budget,
         Ok(budget)
     } else {
         Err(error)
-    }
-}
-
-fn no_error() -> fmc_error {
-    fmc_error {
-        status: FMC_OK,
-        quantity: 0,
-        value: 0.0,
-        least: 0.0,
-        most: 0.0,
-        other: 0.0,
-        x_mm: 0.0,
-        y_mm: 0.0,
-        index: 0,
-        argument: 0,
-        number: 0,
-        expected: 0,
     }
 }
 
