@@ -39,24 +39,7 @@ pub(super) fn run(args: &ImportArgs) -> Result<(), Failure> {
         .base
         .as_deref()
         .map(|path| format!("--base {}", path.display()));
-    let from = |option: &'static str, is_given: bool| -> Option<&str> {
-        if is_given {
-            Some(option)
-        } else {
-            from_base.as_deref()
-        }
-    };
-    let stated = Stated {
-        pixel_from: from("--pixel-um", args.pixel_um.is_some()),
-        size_from: from("--size", args.size.is_some()),
-        pixel_mm: args
-            .pixel_um
-            .or(base_file.map(|file| file.sensor.pixel_um))
-            .map(|um| um / 1000.0),
-        size_px: args.size.or_else(|| base_file.and_then(size)),
-        id: args.id.as_deref(),
-        is_correction: args.sign.map(|sign| sign == SignName::Correction),
-    };
+    let stated = stated(args, base_file, from_base.as_deref());
     let program = args.format;
     let file = args.file.display().to_string();
     let source = Source {
@@ -127,6 +110,28 @@ pub(super) fn run(args: &ImportArgs) -> Result<(), Failure> {
     output::write(None, |sink: &mut dyn Write| {
         writeln!(sink, "{}", summary.text())
     })
+}
+
+/// What the options state, each with the option that states it, else what the camera file of
+/// `--base` does, `from_base` being its name.
+fn stated<'a>(
+    args: &'a ImportArgs,
+    base: Option<&CameraFile>,
+    from_base: Option<&'a str>,
+) -> Stated<'a> {
+    let from =
+        |option: &'static str, is_given: bool| if is_given { Some(option) } else { from_base };
+    Stated {
+        pixel_from: from("--pixel-um", args.pixel_um.is_some()),
+        size_from: from("--size", args.size.is_some()),
+        pixel_mm: args
+            .pixel_um
+            .or(base.map(|file| file.sensor.pixel_um))
+            .map(|um| um / 1000.0),
+        size_px: args.size.or_else(|| base.and_then(size)),
+        id: args.id.as_deref(),
+        is_correction: args.sign.map(|sign| sign == SignName::Correction),
+    }
 }
 
 /// Refuses to write over a file that is read.
