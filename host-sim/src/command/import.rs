@@ -112,8 +112,8 @@ pub(super) fn run(args: &ImportArgs) -> Result<(), Failure> {
     })
 }
 
-/// What the options state, each with the option that states it, else what the camera file of
-/// `--base` does, `from_base` being its name.
+/// Statements of the options, each with its option; where there is none, those of the file of
+/// `--base`, `from_base` being its name.
 fn stated<'a>(
     args: &'a ImportArgs,
     base: Option<&CameraFile>,
