@@ -29,7 +29,8 @@ pub(crate) struct StageRest {
     moving: u8,
     /// Reading at the remembered place, mm.
     place_mm: f32,
-    /// Largest distance of a reading from it, beyond a step of the encoder, mm.
+    /// Largest distance of a reading from it, beyond a step of the encoder, and largest step in
+    /// doubt since, mm.
     off_mm: f32,
     /// The set point has moved since the place was remembered.
     has_left: bool,
@@ -135,8 +136,13 @@ impl StageRest {
         }
     }
 
+    /// Notes a step of the reading that may be counts, mm.
+    pub(crate) const fn doubt(&mut self, step_mm: f32) {
+        self.off_mm = self.off_mm.max(step_mm);
+    }
+
     /// Returns how far the reading has gone from the place at which the stage stood last, beyond a
-    /// step of the encoder, mm.
+    /// step of the encoder, or the largest step in doubt since, mm.
     pub(crate) const fn off_mm(&self) -> f32 {
         self.off_mm
     }

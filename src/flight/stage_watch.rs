@@ -33,7 +33,9 @@ pub(crate) enum ReadingVerdict {
 /// A stage is a mass: what moves it in one round moves it in the next, too, unless a force stops
 /// it. The accelerations that motor, friction and contact with the screw give it bound a step that
 /// stands alone between two rounds, whatever the play that lets the stage leave its set point;
-/// [`StageRest`] tells where a screw may come to push it.
+/// [`StageRest`] tells where a screw may come to push it. A step within that bound whose part that
+/// stands alone is more than `jump_mm` may be either: it is σ of the exposures until the stage rests
+/// again ([`StageWatch::off_mm`]).
 ///
 /// Motion is at fault if it is off its set point by more than `following_mm`: if the stage should
 /// move, [`Fault::WrongDirection`] if it moves the other way, [`Fault::Runaway`] if it is ahead,
@@ -49,6 +51,8 @@ pub(crate) struct StageWatch {
     /// Step of the last reading beyond its set point's, mm, if it came a round after the one
     /// before.
     step_mm: Option<f32>,
+    /// The step before it, if both were motion.
+    earlier_mm: Option<f32>,
     suspicion: Option<Suspicion>,
     rest: StageRest,
 }
@@ -70,14 +74,16 @@ impl StageWatch {
         Self {
             last: None,
             step_mm: None,
+            earlier_mm: None,
             suspicion: None,
             rest: StageRest::new(),
         }
     }
 
     /// Returns how far the reading has gone while the stage stood, before its last motion or now,
-    /// mm: as far its place may be wrong.
-    pub(crate) const fn off_at_rest_mm(&self) -> f32 {
+    /// and the largest step since that may be counts as well as motion, mm: as far its place may be
+    /// wrong.
+    pub(crate) const fn off_mm(&self) -> f32 {
         self.rest.off_mm()
     }
 
@@ -113,6 +119,16 @@ impl StageWatch {
             Some(verdict) => verdict,
             None => verdict_of_motion(reading, setpoint, moved_mm, tolerance),
         };
+        let earlier_mm = self.earlier_mm.take();
+        if verdict == ReadingVerdict::Follows {
+            if let (Some(earlier_mm), Some(before_mm)) = (earlier_mm, before_mm) {
+                let alone_mm = alone_mm(before_mm, earlier_mm, step_mm);
+                if alone_mm > tolerance.jump_mm {
+                    self.rest.doubt(alone_mm);
+                }
+            }
+            self.earlier_mm = before_mm;
+        }
         if verdict != ReadingVerdict::Suspicious {
             let trusted = TrustedReading {
                 offset_mm: reading.offset_mm,
@@ -176,6 +192,12 @@ impl Step {
         let shared_mm = libm::copysignf(1.0, self.step_mm) * self.before_mm?;
         (isolated_mm > shared_mm.max(0.0)).then_some(made_good_mm.min(isolated_mm))
     }
+}
+
+/// Returns the part of a step, mm, that neither the one before nor the one after shares.
+fn alone_mm(step_mm: f32, before_mm: f32, after_mm: f32) -> f32 {
+    let sign = libm::copysignf(1.0, step_mm);
+    libm::fabsf(step_mm) - (sign * before_mm).max(sign * after_mm).max(0.0)
 }
 
 /// Judges the position of the stage, and its motion since the last reading.

@@ -39,7 +39,7 @@ impl FrameMachine {
                 // The mark may have been crossed since the readings.
                 let passed_mm = setup.stage_tolerance().unseen_mm();
                 sigma.common_mm = stage.index.sigma_mm(sigma.common_mm, drive, passed_mm);
-                sigma.frame_mm = libm::hypotf(sigma.frame_mm, stage.off_at_rest_mm());
+                sigma.frame_mm = libm::hypotf(sigma.frame_mm, stage.off_mm());
             }
         }
         let mut off_s = 0.0;

@@ -348,9 +348,9 @@ impl StageMachine {
         self.read_mm.unwrap_or(0.0)
     }
 
-    /// Returns how far the place of the stage may be wrong, as its readings at rest show, mm.
-    pub(super) const fn off_at_rest_mm(&self) -> f32 {
-        self.watch.off_at_rest_mm()
+    /// Returns how far the place of the stage may be wrong, as its readings show, mm.
+    pub(super) const fn off_mm(&self) -> f32 {
+        self.watch.off_mm()
     }
 
     /// Returns `true` if the screw pushes the stage along the FMC axis.
