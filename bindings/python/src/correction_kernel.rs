@@ -2,6 +2,7 @@
 
 use fmc_camera::geometry::evaluation_form::Displacement;
 use fmc_camera::geometry::exposure_distortion::ExposureDistortion;
+use fmc_camera::geometry::frame_correction::Corrected;
 use fmc_camera::geometry::gridded_correction::GriddedCorrection;
 use fmc_camera::geometry::sensor::{Sensor, SensorPoint};
 use fmc_camera_kernel::host::Batch;
@@ -12,6 +13,9 @@ use crate::coordinate::Coordinate;
 /// Points that are computed together: their numbers fit the first-level cache.
 pub(crate) const TOGETHER: usize = 512;
 
+/// Fewer points are computed one by one, with the same bits.
+const FEW: usize = 8;
+
 /// Direction of a transformation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Direction {
@@ -19,6 +23,16 @@ pub(crate) enum Direction {
     Correct,
     /// Ideal -> measured.
     Distort,
+}
+
+impl Direction {
+    /// Sign with which the distortion is added.
+    const fn sign(self) -> f32 {
+        match self {
+            Self::Correct => -1.0,
+            Self::Distort => 1.0,
+        }
+    }
 }
 
 /// The correction of one frame, with the vectors of this PC where it is a polynomial alone.
@@ -42,13 +56,6 @@ impl<'a> CorrectionKernel<'a> {
         }
     }
 
-    /// Selects the number of bytes from which on ideal points are written past the caches, for
-    /// points that are given in parts.
-    pub(crate) fn streamed_from(mut self, bytes: usize) -> Self {
-        self.vectors = self.vectors.map(|vectors| vectors.streamed_from(bytes));
-        self
-    }
-
     pub(crate) fn sensor(&self) -> &Sensor {
         self.correction.polynomial().sensor()
     }
@@ -60,7 +67,7 @@ impl<'a> CorrectionKernel<'a> {
         {
             return vectors.pairs(points);
         }
-        self.replace_in_parts(direction, points);
+        self.replace_with(&mut Numbers::new(), direction, points);
     }
 
     /// Writes the answers to points.
@@ -75,24 +82,62 @@ impl<'a> CorrectionKernel<'a> {
         {
             return vectors.pairs_into(points, answers);
         }
+        self.write_with(&mut Numbers::new(), direction, points, answers);
+    }
+
+    /// Does the same as [`Self::write`] by numbers that the points of several frames share.
+    pub(crate) fn write_with<T: Coordinate>(
+        &self,
+        numbers: &mut Numbers,
+        direction: Direction,
+        points: &[[T; 2]],
+        answers: &mut [[T; 2]],
+    ) {
         for (points, answers) in points.chunks(TOGETHER).zip(answers.chunks_mut(TOGETHER)) {
             for (point, answer) in points.iter().zip(answers.iter_mut()) {
                 *answer = *point;
             }
-            self.replace_in_parts(direction, answers);
+            self.replace_with(numbers, direction, answers);
         }
     }
 
-    fn replace_in_parts<T: Coordinate>(&self, direction: Direction, points: &mut [[T; 2]]) {
-        let mut numbers = Numbers::new();
+    /// Does the same as [`Self::replace`] by numbers that the points of several frames share.
+    pub(crate) fn replace_with<T: Coordinate>(
+        &self,
+        numbers: &mut Numbers,
+        direction: Direction,
+        points: &mut [[T; 2]],
+    ) {
+        if points.len() < FEW {
+            for point in points {
+                *point = self.answer(direction, *point);
+            }
+            return;
+        }
         for points in points.chunks_mut(TOGETHER) {
             numbers.take(points);
             match direction {
-                Direction::Correct => self.correct(&mut numbers, points.len()),
-                Direction::Distort => self.distort(&mut numbers, points.len()),
+                Direction::Correct => self.correct(numbers, points.len()),
+                Direction::Distort => self.distort(numbers, points.len()),
             }
             numbers.answer(direction, points);
         }
+    }
+
+    /// Returns the answer to a point; NaN where there is none.
+    fn answer<T: Coordinate>(&self, direction: Direction, [x, y]: [T; 2]) -> [T; 2] {
+        let given = SensorPoint::new(x.single(), y.single());
+        let answer = match direction {
+            Direction::Correct => Some(self.correction.correct(given)),
+            Direction::Distort => self.correction.distort(given).ok(),
+        };
+        answer.map_or([T::NAN; 2], |Corrected { point, distortion }| {
+            let sign = direction.sign();
+            [
+                x.changed(point.x_mm, sign * distortion.dx_mm),
+                y.changed(point.y_mm, sign * distortion.dy_mm),
+            ]
+        })
     }
 
     /// Returns the place of the first ideal point, not NaN, that has no measured one.
@@ -144,14 +189,14 @@ impl<'a> CorrectionKernel<'a> {
 }
 
 /// Numbers of points that are computed together, x and y apart.
-struct Numbers {
+pub(crate) struct Numbers {
     given: [[f32; TOGETHER]; 2],
     found: [[f32; TOGETHER]; 2],
     distortion: [[f32; TOGETHER]; 2],
 }
 
 impl Numbers {
-    const fn new() -> Self {
+    pub(crate) const fn new() -> Self {
         Self {
             given: [[0.0; TOGETHER]; 2],
             found: [[0.0; TOGETHER]; 2],
@@ -209,10 +254,7 @@ impl Numbers {
 
     /// Replaces points by their answers.
     fn answer<T: Coordinate>(&self, direction: Direction, points: &mut [[T; 2]]) {
-        let sign = match direction {
-            Direction::Correct => -1.0,
-            Direction::Distort => 1.0,
-        };
+        let sign = direction.sign();
         let Self {
             found: [xs, ys],
             distortion: [dxs, dys],

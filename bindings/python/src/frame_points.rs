@@ -70,7 +70,7 @@ impl FramePoints<'_> {
 }
 
 impl Work for FramePoints<'_> {
-    fn check<T: Coordinate>(&self, points: &[[T; 2]], _is_kept: bool) -> PyResult<()> {
+    fn check<T: Coordinate>(&self, points: &[[T; 2]]) -> PyResult<()> {
         if self.off_sensor != OffSensor::Error {
             return Ok(());
         }
