@@ -4,6 +4,7 @@ use fmc_camera::geometry::evaluation_form::Displacement;
 use fmc_camera::geometry::exposure_distortion::ExposureDistortion;
 use fmc_camera::geometry::frame_correction::Corrected;
 use fmc_camera::geometry::gridded_correction::GriddedCorrection;
+use fmc_camera::geometry::left_out_terms::LeftOutTerms;
 use fmc_camera::geometry::sensor::{Sensor, SensorPoint};
 use fmc_camera_kernel::host::Batch;
 use fmc_camera_kernel::inverse::LastStep;
@@ -33,6 +34,33 @@ impl Direction {
             Self::Distort => 1.0,
         }
     }
+
+    /// Returns the terms that are left out at the measured point of a pair.
+    fn left_out(
+        self,
+        terms: &LeftOutTerms,
+        given: SensorPoint,
+        found: SensorPoint,
+    ) -> Displacement {
+        terms.displacement(match self {
+            Self::Correct => given,
+            Self::Distort => found,
+        })
+    }
+
+    /// Returns the answer to a point.
+    fn changed<T: Coordinate>(
+        self,
+        [x, y]: [T; 2],
+        found: SensorPoint,
+        distortion: [Displacement; 2],
+    ) -> [T; 2] {
+        let sign = self.sign();
+        [
+            x.changed(found.x_mm, distortion.map(|part| sign * part.dx_mm)),
+            y.changed(found.y_mm, distortion.map(|part| sign * part.dy_mm)),
+        ]
+    }
 }
 
 /// The correction of one frame, with the vectors of this PC where it is a polynomial alone.
@@ -43,17 +71,26 @@ pub(crate) struct CorrectionKernel<'a> {
     correction: GriddedCorrection<'a>,
     vectors: Option<Batch>,
     last_step: LastStep,
+    /// Terms that are added in double precision.
+    left_out: LeftOutTerms,
 }
 
 impl<'a> CorrectionKernel<'a> {
-    pub(crate) fn new(correction: GriddedCorrection<'a>) -> Self {
+    pub(crate) fn new(correction: GriddedCorrection<'a>, left_out: LeftOutTerms) -> Self {
         let polynomial = correction.polynomial();
         let vectors = Batch::new(polynomial.coefficients(), polynomial.terms()).in_one_thread();
         Self {
             vectors: correction.is_polynomial().then_some(vectors),
             last_step: polynomial.last_step(),
             correction,
+            left_out,
         }
+    }
+
+    /// Returns the correction as the camera computes it, also in double precision.
+    pub(crate) fn of_camera(mut self) -> Self {
+        self.left_out = LeftOutTerms::default();
+        self
     }
 
     pub(crate) fn sensor(&self) -> &Sensor {
@@ -120,7 +157,7 @@ impl<'a> CorrectionKernel<'a> {
                 Direction::Correct => self.correct(numbers, points.len()),
                 Direction::Distort => self.distort(numbers, points.len()),
             }
-            numbers.answer(direction, points);
+            numbers.answer(direction, &self.left_out, points);
         }
     }
 
@@ -132,11 +169,8 @@ impl<'a> CorrectionKernel<'a> {
             Direction::Distort => self.correction.distort(given).ok(),
         };
         answer.map_or([T::NAN; 2], |Corrected { point, distortion }| {
-            let sign = direction.sign();
-            [
-                x.changed(point.x_mm, sign * distortion.dx_mm),
-                y.changed(point.y_mm, sign * distortion.dy_mm),
-            ]
+            let left_out = direction.left_out(&self.left_out, given, point);
+            direction.changed([x, y], point, [distortion, left_out])
         })
     }
 
@@ -253,8 +287,12 @@ impl Numbers {
     }
 
     /// Replaces points by their answers.
-    fn answer<T: Coordinate>(&self, direction: Direction, points: &mut [[T; 2]]) {
-        let sign = direction.sign();
+    fn answer<T: Coordinate>(
+        &self,
+        direction: Direction,
+        left_out: &LeftOutTerms,
+        points: &mut [[T; 2]],
+    ) {
         let Self {
             found: [xs, ys],
             distortion: [dxs, dys],
@@ -262,11 +300,16 @@ impl Numbers {
         } = self;
         let found = xs.iter().zip(ys).zip(dxs.iter().zip(dys));
         for (point, ((x, y), (dx, dy))) in points.iter_mut().zip(found) {
-            let [given_x, given_y] = *point;
-            *point = [
-                given_x.changed(*x, sign * dx),
-                given_y.changed(*y, sign * dy),
+            let [given, found] = [
+                SensorPoint::new(point[0].single(), point[1].single()),
+                SensorPoint::new(*x, *y),
             ];
+            let distortion = Displacement {
+                dx_mm: *dx,
+                dy_mm: *dy,
+            };
+            let left_out = direction.left_out(left_out, given, found);
+            *point = direction.changed(*point, found, [distortion, left_out]);
         }
     }
 }

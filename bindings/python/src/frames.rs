@@ -357,14 +357,17 @@ impl Frames {
 
     /// Returns the frame at a place; `None` for a refused trigger.
     pub(crate) fn in_use(&self, place: usize) -> Option<FrameInUse<'_>> {
+        let row = self.table.rows().get(place)?;
+        let correction = self.correction(place)?;
         let placed = PlacedFrame::with_correction(
-            self.table.rows().get(place)?,
-            *self.correction(place)?,
+            row,
+            *correction,
             self.camera.camera.calibration(),
             self.camera.grids(),
             self.camera.file.principal_point_mm,
         )?;
-        Some(FrameInUse::new(&placed))
+        let left_out = self.camera.left_out(correction, row.model()?, &row.motion);
+        Some(FrameInUse::new(&placed, left_out))
     }
 
     /// Returns the error of a frame that is not among these.
