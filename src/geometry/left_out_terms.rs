@@ -7,8 +7,9 @@ use super::sensor::{FmcAxis, SensorPoint};
 /// The second-moment terms of the exposure mean that the evaluation form cannot hold, and those
 /// that the short kernel drops.
 ///
-/// The default leaves nothing out. A coordinate in single precision has no digits for them: 0.8 nm in an exposure of 1/50 s with a
-/// 50 mm lens. One in double precision has, and they are added to its distortion.
+/// The default leaves nothing out. A coordinate in single precision has no digits for them: 0.8 nm
+/// in an exposure of 1/50 s with a 50 mm lens. One in double precision has, and they are added to
+/// its distortion.
 ///
 /// # Model
 /// The rest of the mean of `docs/derivations/exposure_mean.txt` beyond
@@ -16,26 +17,27 @@ use super::sensor::{FmcAxis, SensorPoint};
 ///
 /// `dx = -4μ₂K2·X³ + 3μ₂K3·X·R(Y² - 3X²)`, `dy = 4μ₂K2·Y³ + 3μ₂K3·Y·R(3Y² - X²)`,
 ///
-/// and its negative for e = ±x, counted from the centroid principal point; of the short kernel `b1·X + b2·Y + tx` and `ty`.
+/// and its negative for e = ±x, counted from the centroid principal point; of the short kernel
+/// `b1·X + b2·Y + tx` and `ty`.
 ///
 /// # Examples
 /// ```
 /// use fmc_camera::geometry::brown::Brown;
 /// use fmc_camera::geometry::frame_correction::FrameCorrection;
-/// use fmc_camera::geometry::left_out_terms::LeftOutTerms;
+/// use fmc_camera::geometry::left_out_terms::LeftOut;
 /// use fmc_camera::{Calibration, CalibrationParameters, FmcAxis, SensorPoint};
 ///
 /// let mut parameters = CalibrationParameters::new(50.0, [4000, 4000], 10.0);
 /// parameters.distortion = Brown { k2: 1e-8, ..Brown::NONE };
 /// let still = FrameCorrection::without_motion(&Calibration::new(parameters)?);
-/// let terms = LeftOutTerms::new(&still, 0.0025, FmcAxis::PlusY);
+/// let terms = LeftOut::new(&still, 0.0025, FmcAxis::PlusY);
 /// let left_out = terms.displacement(SensorPoint::new(10.0, 20.0));
 /// // -4·0.0025·1e-8·10³ mm and 4·0.0025·1e-8·20³ mm.
 /// assert!((left_out.dx_mm + 1e-7).abs() < 1e-13 && (left_out.dy_mm - 8e-7).abs() < 1e-12);
 /// # Ok::<(), fmc_camera::geometry::calibration::CalibrationError>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct LeftOutTerms {
+pub struct LeftOut {
     centre: SensorPoint,
     /// 4μ₂K2, mm⁻², with the sign of the axis.
     cubic: f32,
@@ -47,7 +49,7 @@ pub struct LeftOutTerms {
     ty: f32,
 }
 
-impl LeftOutTerms {
+impl LeftOut {
     /// Returns the terms that the correction of a frame leaves out.
     ///
     /// # Units and frames
@@ -84,9 +86,9 @@ impl LeftOutTerms {
     /// Sensor frame, mm; the domain is that of [`FrameCorrection::distortion`].
     ///
     /// # Accuracy
-    /// With it the exposure mean of the published 50 mm lenses is within 0.2 nm of the strict solver in
-    /// double precision for exposures of up to 1/50 s at 0.17 s⁻¹, most of it the rounding of the
-    /// distortion (`bindings/python/tests/test_accuracy.py`).
+    /// With it the exposure mean of the published 50 mm lenses is within 0.2 nm of the strict
+    /// solver in exposures of up to 1/50 s at 0.17 s⁻¹, most of it the rounding of the distortion
+    /// (`bindings/python/tests/test_accuracy.py`).
     #[inline]
     #[must_use]
     pub fn displacement(&self, measured: SensorPoint) -> Displacement {
@@ -158,8 +160,9 @@ mod tests {
         )
     }
 
-    /// A uniform exposure has the central moments δ²/12 and δ⁴/80 alone; at δ = 0.4 mm the fourth is
-    /// 0.01 nm, and single precision rounds 0.3 mm of distortion to 0.03 nm in several operations.
+    /// A uniform exposure has the central moments δ²/12 and δ⁴/80 alone; at δ = 0.4 mm the fourth
+    /// is 0.01 nm, and single precision rounds 0.3 mm of distortion to 0.03 nm in several
+    /// operations.
     #[test]
     fn exposure_mean_with_what_is_left_out_is_the_mean_along_either_axis() {
         const TRAVEL_MM: f32 = 0.4;
@@ -171,7 +174,7 @@ mod tests {
             FmcAxis::MinusX,
         ] {
             let (correction, motion) = exact(TRAVEL_MM, axis);
-            let terms = LeftOutTerms::new(&correction, motion.moments.second, axis);
+            let terms = LeftOut::new(&correction, motion.moments.second, axis);
             let (mut without, mut with) = (0.0_f64, 0.0_f64);
             for place in 0..49_u8 {
                 let (x, y) = (f32::from(place % 7) - 3.0, f32::from(place / 7) - 3.0);

@@ -11,7 +11,7 @@ use fmc_camera::flight::exposure::CorrectionModel;
 use fmc_camera::geometry::camera_grids::CameraGrids;
 use fmc_camera::geometry::frame_correction::FrameCorrection;
 use fmc_camera::geometry::grid::GridCarrier;
-use fmc_camera::geometry::left_out_terms::LeftOutTerms;
+use fmc_camera::geometry::left_out_terms::LeftOut;
 use fmc_camera::geometry::principal_point::PrincipalPointMotion;
 use fmc_camera_file::{CameraFile, GridFiles, InputError};
 use fmc_frames::FrameCamera;
@@ -82,13 +82,13 @@ impl CameraParts {
         correction: &FrameCorrection,
         model: CorrectionModel,
         motion: &PrincipalPointMotion,
-    ) -> LeftOutTerms {
+    ) -> LeftOut {
         let second_moment_mm2 = match model {
             CorrectionModel::Exact => motion.moments.second,
             CorrectionModel::Fitted | CorrectionModel::Static => 0.0,
         };
         let axis = self.camera.calibration().parameters().axis;
-        LeftOutTerms::new(correction, second_moment_mm2, axis)
+        LeftOut::new(correction, second_moment_mm2, axis)
     }
 
     /// Returns true for a camera without residual grids.

@@ -4,7 +4,7 @@ use fmc_camera::geometry::evaluation_form::Displacement;
 use fmc_camera::geometry::exposure_distortion::ExposureDistortion;
 use fmc_camera::geometry::frame_correction::Corrected;
 use fmc_camera::geometry::gridded_correction::GriddedCorrection;
-use fmc_camera::geometry::left_out_terms::LeftOutTerms;
+use fmc_camera::geometry::left_out_terms::LeftOut;
 use fmc_camera::geometry::sensor::{Sensor, SensorPoint};
 use fmc_camera_kernel::host::Batch;
 use fmc_camera_kernel::inverse::LastStep;
@@ -36,12 +36,7 @@ impl Direction {
     }
 
     /// Returns the terms that are left out at the measured point of a pair.
-    fn left_out(
-        self,
-        terms: &LeftOutTerms,
-        given: SensorPoint,
-        found: SensorPoint,
-    ) -> Displacement {
+    fn left_out(self, terms: &LeftOut, given: SensorPoint, found: SensorPoint) -> Displacement {
         terms.displacement(match self {
             Self::Correct => given,
             Self::Distort => found,
@@ -72,11 +67,11 @@ pub(crate) struct CorrectionKernel<'a> {
     vectors: Option<Batch>,
     last_step: LastStep,
     /// Terms that are added in double precision.
-    left_out: LeftOutTerms,
+    left_out: LeftOut,
 }
 
 impl<'a> CorrectionKernel<'a> {
-    pub(crate) fn new(correction: GriddedCorrection<'a>, left_out: LeftOutTerms) -> Self {
+    pub(crate) fn new(correction: GriddedCorrection<'a>, left_out: LeftOut) -> Self {
         let polynomial = correction.polynomial();
         let vectors = Batch::new(polynomial.coefficients(), polynomial.terms()).in_one_thread();
         Self {
@@ -89,7 +84,7 @@ impl<'a> CorrectionKernel<'a> {
 
     /// Returns the correction as the camera computes it, also in double precision.
     pub(crate) fn of_camera(mut self) -> Self {
-        self.left_out = LeftOutTerms::default();
+        self.left_out = LeftOut::default();
         self
     }
 
@@ -290,7 +285,7 @@ impl Numbers {
     fn answer<T: Coordinate>(
         &self,
         direction: Direction,
-        left_out: &LeftOutTerms,
+        left_out: &LeftOut,
         points: &mut [[T; 2]],
     ) {
         let Self {

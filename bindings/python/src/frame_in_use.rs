@@ -1,6 +1,6 @@
 //! A frame of a flight whose points are being answered.
 
-use fmc_camera::geometry::left_out_terms::LeftOutTerms;
+use fmc_camera::geometry::left_out_terms::LeftOut;
 use fmc_camera::geometry::sensor::SensorPoint;
 use fmc_frames::PlacedFrame;
 
@@ -17,7 +17,7 @@ pub(crate) struct FrameInUse<'a> {
 }
 
 impl<'a> FrameInUse<'a> {
-    pub(crate) fn new(placed: &PlacedFrame<'a>, left_out: LeftOutTerms) -> Self {
+    pub(crate) fn new(placed: &PlacedFrame<'a>, left_out: LeftOut) -> Self {
         Self {
             kernel: CorrectionKernel::new(placed.correction, left_out),
             placed: *placed,

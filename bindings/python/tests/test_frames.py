@@ -1,7 +1,9 @@
 """The frames of a flight: where they come from, what they hold, and their points."""
 
 import pickle
+import sys
 
+import duckdb
 import flights
 import numpy as np
 import pandas
@@ -61,6 +63,45 @@ def test_every_table_of_records_gives_the_same_frames(kind, table):
         )
     assert_array_equal(frames.centroid, FRAMES.centroid)
     assert_array_equal(frames.principal_point_sigma_mm, FRAMES.principal_point_sigma_mm)
+
+
+class Stream:
+    """A table of a library that is known by the methods of Arrow alone."""
+
+    def __init__(self, table):
+        self.table = table
+
+    def __arrow_c_stream__(self, requested_schema=None):
+        return self.table.__arrow_c_stream__(requested_schema)
+
+
+class Array:
+    def __init__(self, table):
+        self.table = table
+
+    def __arrow_c_array__(self, requested_schema=None):
+        return self.table.combine_chunks().to_batches()[0].__arrow_c_array__(requested_schema)
+
+
+def test_tables_with_the_capsules_of_arrow_give_the_same_frames():
+    table = pyarrow.csv.read_csv(flights.RECORDS)
+    parts = pyarrow.concat_tables([table.slice(0, 4), table.slice(4)])
+    points, index = random_points(15 * 40), np.repeat(np.arange(15), 40)
+    relation = duckdb.connect().sql(f"select * from read_csv('{flights.RECORDS}')")
+    coded = parts.set_column(2, "outcome", parts.column("outcome").dictionary_encode())
+    for records in [Stream(parts), Array(table), relation, Stream(coded), coded]:
+        frames = flights.camera().frames(records)
+        assert_array_equal(frames.correct(points, index), FRAMES.correct(points, index))
+        assert_array_equal(frames.centroid, FRAMES.centroid)
+
+
+def test_capsules_that_are_no_table_are_refused(monkeypatch):
+    numbers = pyarrow.chunked_array([[1, 2]])
+    with pytest.raises(fmc_camera.Error, match="^records of the type .*Stream"):
+        flights.camera().frames(Stream(numbers))
+    monkeypatch.setitem(sys.modules, "pyarrow", None)
+    with pytest.raises(fmc_camera.Error, match="pyarrow reads tables with Arrow's PyCapsule"):
+        flights.camera().frames(Stream(numbers))
 
 
 def test_crc_that_was_read_as_a_number_keeps_its_zeros():

@@ -1,8 +1,8 @@
 //! Correction of the points of many frames that lie behind each other in one slice.
 //!
 //! Called for one frame after the other, [`super::pairs`] stores the ends of each in the ordinary
-//! way, and waits for their lines of the cache, which the streams of both neighbours then drop. Here
-//! a line that two frames share is put together first, and streamed as every other.
+//! way, and waits for their lines of the cache, which the streams of both neighbours then drop.
+//! Here a line that two frames share is put together first, and streamed as every other.
 
 use core::mem;
 
