@@ -25,7 +25,8 @@ use super::sensor::{FmcAxis, SensorPoint};
 /// use fmc_camera::geometry::brown::Brown;
 /// use fmc_camera::geometry::frame_correction::FrameCorrection;
 /// use fmc_camera::geometry::left_out_terms::LeftOut;
-/// use fmc_camera::{Calibration, CalibrationParameters, FmcAxis, SensorPoint};
+/// use fmc_camera::geometry::sensor::FmcAxis;
+/// use fmc_camera::{Calibration, CalibrationParameters, SensorPoint};
 ///
 /// let mut parameters = CalibrationParameters::new(50.0, [4000, 4000], 10.0);
 /// parameters.distortion = Brown { k2: 1e-8, ..Brown::NONE };
