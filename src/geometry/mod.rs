@@ -19,6 +19,7 @@ pub mod image_motion;
 mod interval;
 pub mod inverse;
 pub mod invertibility;
+pub mod left_out_terms;
 pub mod lens_grid_bounds;
 pub mod mesh;
 pub mod moments;

@@ -48,11 +48,11 @@ pub(crate) trait Work: Sync {
         }
     }
 
-    /// Checks points before any answer is written; `is_kept` for answers that replace something.
+    /// Checks points before any answer is written.
     ///
     /// # Errors
     /// Those of a point.
-    fn check<T: Coordinate>(&self, points: &[[T; 2]], is_kept: bool) -> PyResult<()>;
+    fn check<T: Coordinate>(&self, points: &[[T; 2]]) -> PyResult<()>;
 
     /// Replaces points by their answers; the first is that with the number `from`.
     ///
@@ -161,7 +161,7 @@ fn typed<'py, T: Coordinate + Element>(
         for_parts(py, pairs.len(), |part| {
             let from = part.start;
             if from == 0 {
-                work.check(pairs, true)?;
+                work.check(pairs)?;
             }
             let pairs = pairs.get_mut(part).unwrap_or_default();
             work.replace(from, pairs)
@@ -196,11 +196,10 @@ fn typed<'py, T: Coordinate + Element>(
         .map_err(|error| of_borrow("out", &error))?;
     let numbers = borrowed.as_slice_mut().map_err(|_| not_contiguous("out"))?;
     let (pairs, _) = numbers.as_chunks_mut::<2>();
-    let is_kept = arguments.out.is_some();
     for_parts(py, given.len(), |part| {
         let from = part.start;
         if from == 0 {
-            work.check(given, is_kept)?;
+            work.check(given)?;
         }
         let given = given.get(part.clone()).unwrap_or_default();
         let pairs = pairs.get_mut(part).unwrap_or_default();

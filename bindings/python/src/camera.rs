@@ -7,8 +7,12 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use fmc_camera::Camera as CheckedCamera;
+use fmc_camera::flight::exposure::CorrectionModel;
 use fmc_camera::geometry::camera_grids::CameraGrids;
+use fmc_camera::geometry::frame_correction::FrameCorrection;
 use fmc_camera::geometry::grid::GridCarrier;
+use fmc_camera::geometry::left_out_terms::LeftOut;
+use fmc_camera::geometry::principal_point::PrincipalPointMotion;
 use fmc_camera_file::{CameraFile, GridFiles, InputError};
 use fmc_frames::FrameCamera;
 use pyo3::IntoPyObjectExt;
@@ -70,6 +74,21 @@ impl CameraParts {
     /// Residual grids; a camera without has empty ones.
     pub(crate) fn grids(&self) -> &CameraGrids<'_> {
         self.grids.borrow_dependent()
+    }
+
+    /// Returns the terms that the correction of a frame leaves out in single precision.
+    pub(crate) fn left_out(
+        &self,
+        correction: &FrameCorrection,
+        model: CorrectionModel,
+        motion: &PrincipalPointMotion,
+    ) -> LeftOut {
+        let second_moment_mm2 = match model {
+            CorrectionModel::Exact => motion.moments.second,
+            CorrectionModel::Fitted | CorrectionModel::Static => 0.0,
+        };
+        let axis = self.camera.calibration().parameters().axis;
+        LeftOut::new(correction, second_moment_mm2, axis)
     }
 
     /// Returns true for a camera without residual grids.

@@ -1,16 +1,15 @@
 //! Points whose coordinates lie in columns of their own, as tables of Arrow have them.
 
-use fmc_frames::FrameTable;
 use numpy::{Element, IntoPyArray, PyArray1, PyArrayMethods, PyReadonlyArray1};
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
 
 use crate::answer::Answer;
-use crate::camera::CameraParts;
 use crate::coordinate::Coordinate;
-use crate::correction_kernel::{Direction, TOGETHER};
+use crate::correction_kernel::{Direction, Numbers, TOGETHER};
 use crate::error;
-use crate::flight_points::{KeptFrames, repeated};
+use crate::frames::Frames;
+use crate::index::repeated;
 use crate::off_sensor::OffSensor;
 
 /// Reason why a point has no answer, or that it has one.
@@ -27,8 +26,7 @@ enum Flag {
 
 /// Points of a table, and what is asked of them.
 pub(crate) struct ColumnPoints<'a> {
-    pub(crate) camera: &'a CameraParts,
-    pub(crate) table: &'a FrameTable,
+    pub(crate) frames: &'a Frames,
     pub(crate) direction: Direction,
     pub(crate) answer: Answer,
 }
@@ -91,7 +89,7 @@ impl ColumnPoints<'_> {
         places: &[i64],
     ) -> PyResult<(Vec<T>, Vec<T>, Vec<u8>)> {
         let count = places.len();
-        let mut kept = KeptFrames::new(self.camera, self.table, count);
+        let mut numbers = Numbers::new();
         let mut answers = Answers {
             x: Vec::with_capacity(count),
             y: Vec::with_capacity(count),
@@ -102,12 +100,12 @@ impl ColumnPoints<'_> {
             let run = start..start + repeated(number, places.get(start..).unwrap_or_default());
             start = run.end;
             let place = usize::try_from(number).ok();
-            let row = place.and_then(|place| Some((place, self.table.rows().get(place)?)));
+            let row = place.and_then(|place| Some((place, self.frames.table.rows().get(place)?)));
             let Some((place, row)) = row else {
                 answers.lack(run.len(), Flag::NoFrame);
                 continue;
             };
-            let Some(frame) = kept.frame(place) else {
+            let Some(frame) = self.frames.in_use(place) else {
                 answers.lack(run.len(), Flag::Refused);
                 continue;
             };
@@ -123,7 +121,13 @@ impl ColumnPoints<'_> {
                 for ((x, y), point) in xs.iter().zip(ys).zip(points.iter_mut()) {
                     *point = [*x, *y];
                 }
-                frame.replace(self.direction, self.answer, OffSensor::Nan, points);
+                frame.replace(
+                    &mut numbers,
+                    self.direction,
+                    self.answer,
+                    OffSensor::Nan,
+                    points,
+                );
                 answers.take([xs, ys], points);
             }
         }

@@ -17,12 +17,12 @@ pub(crate) trait Coordinate: Copy + Send + Sync + 'static {
     fn rounded(value: f64) -> Self;
 
     /// Returns the answer to this coordinate: `found` as the camera computes it, which is this one
-    /// plus `change`.
+    /// plus the first of the `changes`. The second is what the camera leaves out of it.
     ///
     /// # Accuracy
     /// In single precision it is `found`. In double precision the coordinate keeps its digits: the
-    /// change, computed in single precision, is added to it.
-    fn changed(self, found: f32, change: f32) -> Self;
+    /// changes, computed in single precision, are added to it.
+    fn changed(self, found: f32, changes: [f32; 2]) -> Self;
 
     /// Returns points as those of single precision, if they are.
     fn singles(points: &[[Self; 2]]) -> Option<&[[f32; 2]]>;
@@ -46,7 +46,7 @@ impl Coordinate for f32 {
         single(value)
     }
 
-    fn changed(self, found: f32, _change: f32) -> Self {
+    fn changed(self, found: f32, _changes: [f32; 2]) -> Self {
         found
     }
 
@@ -74,8 +74,9 @@ impl Coordinate for f64 {
         value
     }
 
-    fn changed(self, _found: f32, change: f32) -> Self {
-        self + f64::from(change)
+    fn changed(self, _found: f32, changes: [f32; 2]) -> Self {
+        let [change, left_out] = changes.map(f64::from);
+        self + (change + left_out)
     }
 
     fn singles(_: &[[Self; 2]]) -> Option<&[[f32; 2]]> {

@@ -2,7 +2,9 @@
 
 use fmc_camera::geometry::evaluation_form::Displacement;
 use fmc_camera::geometry::exposure_distortion::ExposureDistortion;
+use fmc_camera::geometry::frame_correction::Corrected;
 use fmc_camera::geometry::gridded_correction::GriddedCorrection;
+use fmc_camera::geometry::left_out_terms::LeftOut;
 use fmc_camera::geometry::sensor::{Sensor, SensorPoint};
 use fmc_camera_kernel::host::Batch;
 use fmc_camera_kernel::inverse::LastStep;
@@ -11,6 +13,9 @@ use crate::coordinate::Coordinate;
 
 /// Points that are computed together: their numbers fit the first-level cache.
 pub(crate) const TOGETHER: usize = 512;
+
+/// Fewer points are computed one by one, with the same bits.
+const FEW: usize = 8;
 
 /// Direction of a transformation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -21,6 +26,38 @@ pub(crate) enum Direction {
     Distort,
 }
 
+impl Direction {
+    /// Sign with which the distortion is added.
+    const fn sign(self) -> f32 {
+        match self {
+            Self::Correct => -1.0,
+            Self::Distort => 1.0,
+        }
+    }
+
+    /// Returns the terms that are left out at the measured point of a pair.
+    fn left_out(self, terms: &LeftOut, given: SensorPoint, found: SensorPoint) -> Displacement {
+        terms.displacement(match self {
+            Self::Correct => given,
+            Self::Distort => found,
+        })
+    }
+
+    /// Returns the answer to a point.
+    fn changed<T: Coordinate>(
+        self,
+        [x, y]: [T; 2],
+        found: SensorPoint,
+        distortion: [Displacement; 2],
+    ) -> [T; 2] {
+        let sign = self.sign();
+        [
+            x.changed(found.x_mm, distortion.map(|part| sign * part.dx_mm)),
+            y.changed(found.y_mm, distortion.map(|part| sign * part.dy_mm)),
+        ]
+    }
+}
+
 /// The correction of one frame, with the vectors of this PC where it is a polynomial alone.
 ///
 /// It computes in the calling thread: a pool of threads would not survive `fork`.
@@ -29,23 +66,25 @@ pub(crate) struct CorrectionKernel<'a> {
     correction: GriddedCorrection<'a>,
     vectors: Option<Batch>,
     last_step: LastStep,
+    /// Terms that are added in double precision.
+    left_out: LeftOut,
 }
 
 impl<'a> CorrectionKernel<'a> {
-    pub(crate) fn new(correction: GriddedCorrection<'a>) -> Self {
+    pub(crate) fn new(correction: GriddedCorrection<'a>, left_out: LeftOut) -> Self {
         let polynomial = correction.polynomial();
         let vectors = Batch::new(polynomial.coefficients(), polynomial.terms()).in_one_thread();
         Self {
             vectors: correction.is_polynomial().then_some(vectors),
             last_step: polynomial.last_step(),
             correction,
+            left_out,
         }
     }
 
-    /// Selects the number of bytes from which on ideal points are written past the caches, for
-    /// points that are given in parts.
-    pub(crate) fn streamed_from(mut self, bytes: usize) -> Self {
-        self.vectors = self.vectors.map(|vectors| vectors.streamed_from(bytes));
+    /// Returns the correction as the camera computes it, also in double precision.
+    pub(crate) fn of_camera(mut self) -> Self {
+        self.left_out = LeftOut::default();
         self
     }
 
@@ -60,7 +99,7 @@ impl<'a> CorrectionKernel<'a> {
         {
             return vectors.pairs(points);
         }
-        self.replace_in_parts(direction, points);
+        self.replace_with(&mut Numbers::new(), direction, points);
     }
 
     /// Writes the answers to points.
@@ -75,24 +114,59 @@ impl<'a> CorrectionKernel<'a> {
         {
             return vectors.pairs_into(points, answers);
         }
+        self.write_with(&mut Numbers::new(), direction, points, answers);
+    }
+
+    /// Does the same as [`Self::write`] by numbers that the points of several frames share.
+    pub(crate) fn write_with<T: Coordinate>(
+        &self,
+        numbers: &mut Numbers,
+        direction: Direction,
+        points: &[[T; 2]],
+        answers: &mut [[T; 2]],
+    ) {
         for (points, answers) in points.chunks(TOGETHER).zip(answers.chunks_mut(TOGETHER)) {
             for (point, answer) in points.iter().zip(answers.iter_mut()) {
                 *answer = *point;
             }
-            self.replace_in_parts(direction, answers);
+            self.replace_with(numbers, direction, answers);
         }
     }
 
-    fn replace_in_parts<T: Coordinate>(&self, direction: Direction, points: &mut [[T; 2]]) {
-        let mut numbers = Numbers::new();
+    /// Does the same as [`Self::replace`] by numbers that the points of several frames share.
+    pub(crate) fn replace_with<T: Coordinate>(
+        &self,
+        numbers: &mut Numbers,
+        direction: Direction,
+        points: &mut [[T; 2]],
+    ) {
+        if points.len() < FEW {
+            for point in points {
+                *point = self.answer(direction, *point);
+            }
+            return;
+        }
         for points in points.chunks_mut(TOGETHER) {
             numbers.take(points);
             match direction {
-                Direction::Correct => self.correct(&mut numbers, points.len()),
-                Direction::Distort => self.distort(&mut numbers, points.len()),
+                Direction::Correct => self.correct(numbers, points.len()),
+                Direction::Distort => self.distort(numbers, points.len()),
             }
-            numbers.answer(direction, points);
+            numbers.answer(direction, &self.left_out, points);
         }
+    }
+
+    /// Returns the answer to a point; NaN where there is none.
+    fn answer<T: Coordinate>(&self, direction: Direction, [x, y]: [T; 2]) -> [T; 2] {
+        let given = SensorPoint::new(x.single(), y.single());
+        let answer = match direction {
+            Direction::Correct => Some(self.correction.correct(given)),
+            Direction::Distort => self.correction.distort(given).ok(),
+        };
+        answer.map_or([T::NAN; 2], |Corrected { point, distortion }| {
+            let left_out = direction.left_out(&self.left_out, given, point);
+            direction.changed([x, y], point, [distortion, left_out])
+        })
     }
 
     /// Returns the place of the first ideal point, not NaN, that has no measured one.
@@ -144,14 +218,14 @@ impl<'a> CorrectionKernel<'a> {
 }
 
 /// Numbers of points that are computed together, x and y apart.
-struct Numbers {
+pub(crate) struct Numbers {
     given: [[f32; TOGETHER]; 2],
     found: [[f32; TOGETHER]; 2],
     distortion: [[f32; TOGETHER]; 2],
 }
 
 impl Numbers {
-    const fn new() -> Self {
+    pub(crate) const fn new() -> Self {
         Self {
             given: [[0.0; TOGETHER]; 2],
             found: [[0.0; TOGETHER]; 2],
@@ -208,11 +282,12 @@ impl Numbers {
     }
 
     /// Replaces points by their answers.
-    fn answer<T: Coordinate>(&self, direction: Direction, points: &mut [[T; 2]]) {
-        let sign = match direction {
-            Direction::Correct => -1.0,
-            Direction::Distort => 1.0,
-        };
+    fn answer<T: Coordinate>(
+        &self,
+        direction: Direction,
+        left_out: &LeftOut,
+        points: &mut [[T; 2]],
+    ) {
         let Self {
             found: [xs, ys],
             distortion: [dxs, dys],
@@ -220,11 +295,16 @@ impl Numbers {
         } = self;
         let found = xs.iter().zip(ys).zip(dxs.iter().zip(dys));
         for (point, ((x, y), (dx, dy))) in points.iter_mut().zip(found) {
-            let [given_x, given_y] = *point;
-            *point = [
-                given_x.changed(*x, sign * dx),
-                given_y.changed(*y, sign * dy),
+            let [given, found] = [
+                SensorPoint::new(point[0].single(), point[1].single()),
+                SensorPoint::new(*x, *y),
             ];
+            let distortion = Displacement {
+                dx_mm: *dx,
+                dy_mm: *dy,
+            };
+            let left_out = direction.left_out(left_out, given, found);
+            *point = direction.changed(*point, found, [distortion, left_out]);
         }
     }
 }

@@ -55,6 +55,17 @@ impl Frame {
         GriddedFrame::new(&self.frame, self.camera.grids())
     }
 
+    fn kernel(&self) -> CorrectionKernel<'_> {
+        let PredictedFrame {
+            interior,
+            correction,
+        } = &self.frame;
+        let left_out = self
+            .camera
+            .left_out(correction, interior.model, &interior.motion);
+        CorrectionKernel::new(self.gridded().correction, left_out)
+    }
+
     fn interior(&self) -> &InteriorOrientation {
         &self.frame.interior
     }
@@ -67,7 +78,7 @@ impl Frame {
         unit: Unit,
     ) -> PyResult<Bound<'py, PyAny>> {
         let work = FramePoints {
-            kernel: CorrectionKernel::new(self.gridded().correction),
+            kernel: self.kernel(),
             direction,
             off_sensor: OffSensor::of(off_sensor)?,
             unit,

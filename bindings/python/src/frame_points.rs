@@ -56,7 +56,13 @@ impl FramePoints<'_> {
         for (place, point) in places.iter_mut().zip(points.iter()) {
             *place = self.unit.millimetres(self.file, *point);
         }
-        self.kernel.replace(self.direction, places);
+        // In single precision the answers are those of the camera.
+        let kernel = if T::singles(points).is_some() {
+            self.kernel.of_camera()
+        } else {
+            self.kernel
+        };
+        kernel.replace(self.direction, places);
         for (place, point) in places.iter().zip(points) {
             *point = self.file.pixel_from_sensor(*place).map(T::rounded);
         }
@@ -70,7 +76,7 @@ impl FramePoints<'_> {
 }
 
 impl Work for FramePoints<'_> {
-    fn check<T: Coordinate>(&self, points: &[[T; 2]], _is_kept: bool) -> PyResult<()> {
+    fn check<T: Coordinate>(&self, points: &[[T; 2]]) -> PyResult<()> {
         if self.off_sensor != OffSensor::Error {
             return Ok(());
         }

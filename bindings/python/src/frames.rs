@@ -3,7 +3,8 @@
 use std::sync::Arc;
 
 use fmc_camera::flight::time::Time;
-use fmc_frames::{FrameRow, FrameTable};
+use fmc_camera::geometry::frame_correction::FrameCorrection;
+use fmc_frames::{FrameRow, FrameTable, PlacedFrame};
 use numpy::datetime::{Datetime, Timedelta, units::Microseconds};
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods};
 use pyo3::IntoPyObjectExt;
@@ -16,7 +17,10 @@ use crate::camera::{Camera, CameraParts};
 use crate::columns::ColumnPoints;
 use crate::correction_kernel::Direction;
 use crate::error;
-use crate::flight_points::{FlightPoints, Index, repeated};
+use crate::flight_points::FlightPoints;
+use crate::frame_corrections::FrameCorrections;
+use crate::frame_in_use::FrameInUse;
+use crate::index::{Index, repeated};
 use crate::off_sensor::OffSensor;
 use crate::record_source;
 
@@ -30,6 +34,7 @@ pub(crate) struct Frames {
     pub(crate) table: FrameTable,
     /// Name of the records in messages.
     pub(crate) name: String,
+    corrections: FrameCorrections,
 }
 
 impl Frames {
@@ -43,6 +48,7 @@ impl Frames {
             camera: Arc::clone(camera),
             table,
             name,
+            corrections: FrameCorrections::default(),
         })
     }
 
@@ -106,6 +112,7 @@ impl Frames {
             camera: Arc::clone(&camera.get().parts),
             table,
             name,
+            corrections: FrameCorrections::default(),
         })
     }
 
@@ -274,8 +281,7 @@ impl Frames {
     ) -> PyResult<Bound<'py, PyAny>> {
         let places = Index::of(places, "frame")?;
         let points = ColumnPoints {
-            camera: &self.camera,
-            table: &self.table,
+            frames: self,
             direction: if is_distorted {
                 Direction::Distort
             } else {
@@ -332,8 +338,7 @@ impl Frames {
     ) -> PyResult<Bound<'py, PyAny>> {
         let index = Index::of(index, "index")?;
         let work = FlightPoints {
-            camera: &self.camera,
-            table: &self.table,
+            frames: self,
             index: index.numbers(),
             direction,
             answer: Answer::of(answer)?,
@@ -341,6 +346,28 @@ impl Frames {
             each: 1,
         };
         array::answered(arguments, work)
+    }
+
+    /// Returns the correction of the frame at a place without residual grids; `None` for a refused
+    /// trigger.
+    pub(crate) fn correction(&self, place: usize) -> Option<&FrameCorrection> {
+        let calibration = self.camera.camera.calibration();
+        self.corrections.correction(calibration, &self.table, place)
+    }
+
+    /// Returns the frame at a place; `None` for a refused trigger.
+    pub(crate) fn in_use(&self, place: usize) -> Option<FrameInUse<'_>> {
+        let row = self.table.rows().get(place)?;
+        let correction = self.correction(place)?;
+        let placed = PlacedFrame::with_correction(
+            row,
+            *correction,
+            self.camera.camera.calibration(),
+            self.camera.grids(),
+            self.camera.file.principal_point_mm,
+        )?;
+        let left_out = self.camera.left_out(correction, row.model()?, &row.motion);
+        Some(FrameInUse::new(&placed, left_out))
     }
 
     /// Returns the error of a frame that is not among these.

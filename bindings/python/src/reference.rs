@@ -42,7 +42,7 @@ impl ReferencePoints {
 }
 
 impl Work for ReferencePoints {
-    fn check<T: Coordinate>(&self, _points: &[[T; 2]], _is_kept: bool) -> PyResult<()> {
+    fn check<T: Coordinate>(&self, _points: &[[T; 2]]) -> PyResult<()> {
         Ok(())
     }
 

@@ -79,8 +79,26 @@ fn dictionary<'py>(table: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
             options.set_item("as_series", false)?;
             table.call_method("to_dict", (), Some(&options))
         }
+        _ if table.hasattr("__arrow_c_stream__")? || table.hasattr("__arrow_c_array__")? => {
+            of_arrow(table)
+        }
         _ => Ok(table.clone()),
     }
+}
+
+/// Returns a table of a library that is known by the methods of Arrow's `PyCapsule` interface.
+fn of_arrow<'py>(table: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+    let kind = table.get_type();
+    let pyarrow = table.py().import("pyarrow").map_err(|cause| {
+        error::of_text(format!(
+            "records of the type {kind}: pyarrow reads tables with Arrow's PyCapsule interface, and \
+             cannot be imported: {cause}"
+        ))
+    })?;
+    pyarrow
+        .call_method1("table", (table,))
+        .and_then(|table| table.call_method0("to_pydict"))
+        .map_err(|cause| error::of_text(format!("records of the type {kind}: {cause}")))
 }
 
 /// Returns the cells of a column.

@@ -1,7 +1,9 @@
 """The frames of a flight: where they come from, what they hold, and their points."""
 
 import pickle
+import sys
 
+import duckdb
 import flights
 import numpy as np
 import pandas
@@ -63,6 +65,45 @@ def test_every_table_of_records_gives_the_same_frames(kind, table):
     assert_array_equal(frames.principal_point_sigma_mm, FRAMES.principal_point_sigma_mm)
 
 
+class Stream:
+    """A table of a library that is known by the methods of Arrow alone."""
+
+    def __init__(self, table):
+        self.table = table
+
+    def __arrow_c_stream__(self, requested_schema=None):
+        return self.table.__arrow_c_stream__(requested_schema)
+
+
+class Array:
+    def __init__(self, table):
+        self.table = table
+
+    def __arrow_c_array__(self, requested_schema=None):
+        return self.table.combine_chunks().to_batches()[0].__arrow_c_array__(requested_schema)
+
+
+def test_tables_with_the_capsules_of_arrow_give_the_same_frames():
+    table = pyarrow.csv.read_csv(flights.RECORDS)
+    parts = pyarrow.concat_tables([table.slice(0, 4), table.slice(4)])
+    points, index = random_points(15 * 40), np.repeat(np.arange(15), 40)
+    relation = duckdb.connect().sql(f"select * from read_csv('{flights.RECORDS}')")
+    coded = parts.set_column(2, "outcome", parts.column("outcome").dictionary_encode())
+    for records in [Stream(parts), Array(table), relation, Stream(coded), coded]:
+        frames = flights.camera().frames(records)
+        assert_array_equal(frames.correct(points, index), FRAMES.correct(points, index))
+        assert_array_equal(frames.centroid, FRAMES.centroid)
+
+
+def test_capsules_that_are_no_table_are_refused(monkeypatch):
+    numbers = pyarrow.chunked_array([[1, 2]])
+    with pytest.raises(fmc_camera.Error, match="^records of the type .*Stream"):
+        flights.camera().frames(Stream(numbers))
+    monkeypatch.setitem(sys.modules, "pyarrow", None)
+    with pytest.raises(fmc_camera.Error, match="pyarrow reads tables with Arrow's PyCapsule"):
+        flights.camera().frames(Stream(numbers))
+
+
 def test_crc_that_was_read_as_a_number_keeps_its_zeros():
     table = flights.columns()
     table["calibration_crc32"] = [123] * 15
@@ -122,6 +163,51 @@ def test_any_order_out_and_inplace_have_the_same_bits(dtype):
                 method(points.copy(), index, answer=answer, inplace=True), expected
             )
             assert np.isnan(expected[index == 8]).all()
+
+
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+@pytest.mark.parametrize("longest", [1, 3, 9, 40, 700])
+def test_runs_of_every_length_have_the_bits_of_their_frames(dtype, longest):
+    random = np.random.default_rng(longest)
+    lengths = random.integers(1, longest + 1, 60 if longest > 9 else 600)
+    index = np.repeat(random.integers(0, 15, len(lengths)), lengths)
+    points = random_points(len(index), dtype=dtype)
+    points[random.integers(0, len(index), 9), 0] = np.nan
+    expected = np.empty_like(points)
+    for place in range(15):
+        part = index == place
+        expected[part] = FRAMES.correct(points[part], np.full(part.sum(), place))
+    assert np.isnan(expected[index == 8]).all() and not np.isnan(expected[index == 3]).all()
+    for start in range(8):
+        out = np.full((len(index) + 9, 2), 7, dtype)
+        room = out[start : start + len(index)]
+        FRAMES.correct(points, index, out=room)
+        assert_array_equal(room, expected)
+        assert (np.delete(out, range(start, start + len(index)), axis=0) == 7).all()
+        again = np.concatenate([out[:start], points])[start:]
+        assert_array_equal(FRAMES.correct(again, index, inplace=True), expected)
+
+
+def test_points_that_do_not_fit_the_caches_have_the_bits_of_their_frames():
+    lengths = np.random.default_rng(7).integers(900, 1100, 900)
+    index = np.repeat(np.arange(900) % 15, lengths)
+    points = random_points(len(index), dtype=np.float32)
+    together = FRAMES.correct(points, index)
+    assert points.nbytes > 1.5 * 2**22
+    ends = np.cumsum(lengths)
+    for place, end, length in zip(np.arange(900) % 15, ends, lengths):
+        part = slice(end - length, end)
+        assert_array_equal(together[part], FRAMES.correct(points[part], [place] * length))
+
+
+def test_frames_without_shifted_points_are_an_error_before_anything_is_replaced():
+    table = flights.exposures(2) | {"focus_shift_um": [0.0, 9.0], "focus_sign": ["printed"] * 2}
+    frames = flights.camera().frames(table)
+    points = random_points(20)
+    before = points.copy()
+    with pytest.raises(fmc_camera.Error, match="frame 2: .*printed"):
+        frames.correct(points, np.repeat([0, 1], 10), answer="measured-shifted", inplace=True)
+    assert_array_equal(points, before)
 
 
 @pytest.mark.parametrize("kind", ["int8", "uint8", "int32", "uint32", "int64", "uint64"])

@@ -84,11 +84,20 @@ impl FrameRow {
         calibration: &Calibration,
         grids: &CameraGrids<'a>,
     ) -> Option<GriddedCorrection<'a>> {
-        let (correction, model) = (self.correction(calibration)?, self.model()?);
+        self.with_grids(self.correction(calibration)?, grids)
+    }
+
+    /// Returns the correction of [`Self::correction`] with the residual grids of the camera; `None`
+    /// as there.
+    pub(crate) fn with_grids<'a>(
+        &self,
+        correction: FrameCorrection,
+        grids: &CameraGrids<'a>,
+    ) -> Option<GriddedCorrection<'a>> {
         Some(gridded(
             correction,
             grids,
-            model,
+            self.model()?,
             &self.motion,
             self.enlargement,
         ))

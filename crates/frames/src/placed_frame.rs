@@ -2,6 +2,7 @@
 
 use fmc_camera::geometry::calibration::Calibration;
 use fmc_camera::geometry::camera_grids::CameraGrids;
+use fmc_camera::geometry::frame_correction::FrameCorrection;
 use fmc_camera::geometry::gridded_correction::GriddedCorrection;
 use fmc_camera::geometry::principal_distance::FocusSign;
 use fmc_camera::geometry::sensor::SensorPoint;
@@ -37,7 +38,21 @@ impl<'a> PlacedFrame<'a> {
         grids: &CameraGrids<'a>,
         principal_point_mm: [f64; 2],
     ) -> Option<Self> {
-        let correction = row.gridded(calibration, grids)?;
+        let correction = row.correction(calibration)?;
+        Self::with_correction(row, correction, calibration, grids, principal_point_mm)
+    }
+
+    /// Creates the frame with its correction, which was folded before: that of
+    /// [`FrameRow::correction`].
+    #[must_use]
+    pub fn with_correction(
+        row: &FrameRow,
+        correction: FrameCorrection,
+        calibration: &Calibration,
+        grids: &CameraGrids<'a>,
+        principal_point_mm: [f64; 2],
+    ) -> Option<Self> {
+        let correction = row.with_grids(correction, grids)?;
         let SensorPoint { x_mm, y_mm } = calibration
             .parameters()
             .axis

@@ -17,6 +17,7 @@ mod distort;
 mod form;
 mod level;
 mod pairs;
+mod runs;
 mod vectors;
 mod xy;
 
@@ -24,6 +25,7 @@ pub use batch::{Batch, STREAMED_FROM_BYTES, THREADED_FROM_POINTS};
 pub use level::Level;
 #[cfg(feature = "resampling")]
 pub(crate) use level::Token;
+pub use runs::{Run, Runs};
 
 use vectors::Vectors;
 

@@ -41,7 +41,7 @@ impl<const FULL: bool> Work for InPlace<'_, FULL> {
 }
 
 #[inline(always)]
-fn replace<V: Vectors, const FULL: bool>(
+pub(super) fn replace<V: Vectors, const FULL: bool>(
     vectors: V,
     form: &Form<V, FULL>,
     points: &mut [V::f32s; 2],
@@ -108,7 +108,7 @@ impl<const FULL: bool> Work for Into<'_, FULL> {
 /// # Safety
 /// As for [`Vectors::stream`].
 #[inline(always)]
-unsafe fn pass<V: Vectors, const FULL: bool>(
+pub(super) unsafe fn pass<V: Vectors, const FULL: bool>(
     vectors: V,
     form: &Form<V, FULL>,
     points: &[V::f32s; 2],
@@ -136,20 +136,20 @@ fn ask_ahead<V: Vectors>(vectors: V, points: &[V::f32s; 2]) {
 /// for the other half, and is written without it if several streams wait. A slice aligned to half a
 /// point has no such place.
 #[inline(always)]
-fn before<V: Vectors>(numbers: &[f32]) -> usize {
+pub(super) fn before<V: Vectors>(numbers: &[f32]) -> usize {
     let before = head(numbers, 2 * V::ALIGNMENT);
     if before.is_multiple_of(2) { before } else { 0 }
 }
 
 /// Returns the numbers as elements of two vectors each.
 #[inline(always)]
-fn twos<V: Vectors>(numbers: &[f32]) -> &[[V::f32s; 2]] {
+pub(super) fn twos<V: Vectors>(numbers: &[f32]) -> &[[V::f32s; 2]] {
     V::as_simd_f32s(numbers).0.as_chunks().0
 }
 
 /// Returns the elements of [`twos`] as mutable.
 #[inline(always)]
-fn twos_mut<V: Vectors>(numbers: &mut [f32]) -> &mut [[V::f32s; 2]] {
+pub(super) fn twos_mut<V: Vectors>(numbers: &mut [f32]) -> &mut [[V::f32s; 2]] {
     V::as_mut_simd_f32s(numbers).0.as_chunks_mut().0
 }
 
@@ -177,7 +177,7 @@ fn put_ends<V: Vectors>(points: &mut [f32], [at_first, at_last]: [[V::f32s; 2]; 
 
 /// Loads fewer points than two vectors hold.
 #[inline(always)]
-fn few<V: Vectors>(vectors: V, points: &[f32]) -> [V::f32s; 2] {
+pub(super) fn few<V: Vectors>(vectors: V, points: &[f32]) -> [V::f32s; 2] {
     let (low, high) = points.split_at(points.len().min(V::F32_LANES));
     [
         vectors.partial_load_f32s(low),
@@ -187,7 +187,7 @@ fn few<V: Vectors>(vectors: V, points: &[f32]) -> [V::f32s; 2] {
 
 /// Writes fewer points than two vectors hold.
 #[inline(always)]
-fn put_few<V: Vectors>(vectors: V, points: &mut [f32], [at_low, at_high]: [V::f32s; 2]) {
+pub(super) fn put_few<V: Vectors>(vectors: V, points: &mut [f32], [at_low, at_high]: [V::f32s; 2]) {
     let (low, high) = points.split_at_mut(points.len().min(V::F32_LANES));
     vectors.partial_store_f32s(low, at_low);
     vectors.partial_store_f32s(high, at_high);

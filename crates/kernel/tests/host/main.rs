@@ -15,3 +15,5 @@ mod form;
 mod places;
 #[cfg(test)]
 mod random;
+#[cfg(test)]
+mod runs;

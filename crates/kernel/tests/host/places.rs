@@ -14,7 +14,7 @@ const PLACES: usize = 32;
 
 /// Numbers with a margin before and after, at a known alignment, which determines the whole
 /// vectors.
-struct Placed {
+pub(crate) struct Placed {
     all: Vec<f32>,
     range: Range<usize>,
 }
@@ -22,7 +22,7 @@ struct Placed {
 impl Placed {
     /// Creates a slice that begins `offset` numbers after an address that is a multiple of
     /// [`PLACES`].
-    fn new(numbers: &[f32], offset: usize) -> Self {
+    pub(crate) fn new(numbers: &[f32], offset: usize) -> Self {
         let room = numbers.len() + 2 * MARGIN + 2 * PLACES;
         let mut all = vec![BESIDE; room];
         let past = all[MARGIN..].as_ptr().addr() / size_of::<f32>() % PLACES;
@@ -33,7 +33,7 @@ impl Placed {
     }
 
     /// Creates a slice for results that holds other numbers.
-    fn empty(length: usize, offset: usize) -> Self {
+    pub(crate) fn empty(length: usize, offset: usize) -> Self {
         Self::new(&vec![1.0; length], offset)
     }
 
@@ -41,12 +41,12 @@ impl Placed {
         &mut self.all[self.range.clone()]
     }
 
-    fn pairs(&mut self) -> &mut [[f32; 2]] {
+    pub(crate) fn pairs(&mut self) -> &mut [[f32; 2]] {
         self.slice().as_chunks_mut().0
     }
 
     /// Asserts that the slice holds the expected numbers and that the margins are unchanged.
-    fn assert_holds(&self, name: &str, input: [&[f32]; 2], expected: &[f32]) {
+    pub(crate) fn assert_holds(&self, name: &str, input: [&[f32]; 2], expected: &[f32]) {
         assert_same(name, input, &self.all[self.range.clone()], expected);
         let before = &self.all[..self.range.start];
         let behind = &self.all[self.range.end..];
