@@ -67,6 +67,9 @@ mod images;
 #[cfg(test)]
 mod import_grid;
 #[cfg(test)]
+#[cfg(target_os = "linux")]
+mod interrupted;
+#[cfg(test)]
 mod lens_with_grids;
 #[cfg(test)]
 mod mesh;
