@@ -248,7 +248,7 @@ mod tests {
             let folder = PathBuf::from(std::env::var_os(FOLDER).unwrap());
             let mut part = Part::hidden(folder.join("a.tif")).unwrap();
             part.write_all(b"half").unwrap();
-            thread::sleep(Duration::from_secs(60));
+            thread::sleep(Duration::from_mins(1));
         }
 
         #[test]

@@ -1,6 +1,7 @@
 //! Programs that a signal or a full disk ends while they write: the folder stays as it was.
 
 use std::collections::BTreeMap;
+use std::fmt::Write as _;
 use std::fs;
 use std::os::unix::process::ExitStatusExt as _;
 use std::path::{Path, PathBuf};
@@ -120,7 +121,7 @@ fn interrupt_once(bench: &Bench, folder: &Path, arguments: &[&str], signal: Sign
         .spawn()
         .unwrap();
     let pid = Pid::from_child(&child);
-    let until = Instant::now() + Duration::from_secs(120);
+    let until = Instant::now() + Duration::from_mins(2);
     while child.try_wait().unwrap().is_none() {
         assert!(Instant::now() < until, "{arguments:?} does not end");
         if is_writing(&child, folder) {
@@ -160,7 +161,7 @@ fn on_a_full_disk(bench: &Bench, arguments: &[&str]) {
 fn of_many_points() -> Bench {
     let mut points = String::from("id,x_mm,y_mm\n");
     for row in 0..40_000 {
-        points += &format!("p{row},{},2\n", row % 40);
+        writeln!(points, "p{row},{},2", row % 40).unwrap();
     }
     Bench::with(CAMERA, points.as_bytes())
 }
