@@ -43,6 +43,8 @@ mod composition;
 #[cfg(test)]
 mod default_limits;
 #[cfg(test)]
+mod documents;
+#[cfg(test)]
 #[cfg(target_os = "linux")]
 mod error_stream;
 #[cfg(test)]
@@ -101,6 +103,8 @@ mod rectify;
 mod serial;
 #[cfg(test)]
 mod smear;
+#[cfg(test)]
+mod start;
 #[cfg(test)]
 mod statistics;
 #[cfg(test)]
