@@ -35,6 +35,7 @@ const LANES: [&[Step]; 2] = [
         Step::Python,
         Step::Web,
         Step::Docs,
+        Step::Site,
         Step::HilLints,
     ],
     &[
