@@ -11,7 +11,7 @@ use crate::{
     equipment::{Equipment, Need},
     exchange,
     firmware::{self, Image},
-    kernel, no_panic, schedule, site, verify, web, wheel,
+    kernel, no_panic, schedule, site, supply, verify, web, wheel,
     workspace::Workspace,
 };
 
@@ -44,6 +44,8 @@ pub(crate) enum Step {
     Docs,
     /// Build the documents as a site, and check its links
     Site,
+    /// Compare what each image holds with docs/supply-chain.csv, and check licences and versions
+    Supply,
     /// Run the tests on the host
     HostTests,
     /// Verify every coordinate against the strict solver, with the camera in this process
@@ -98,6 +100,7 @@ impl Step {
             | Self::HilLints
             | Self::Docs
             | Self::Site
+            | Self::Supply
             | Self::HostTests
             | Self::Verify
             | Self::Exchange
@@ -166,6 +169,7 @@ fn run_step(step: Step, workspace: &Workspace, equipment: &Equipment<'_>) -> Res
             doc.env("RUSTDOCFLAGS", "-D warnings")
         }
         Step::Site => return site::check(workspace),
+        Step::Supply => return supply::check(workspace),
         Step::HostTests => workspace.cargo(&format!("test {TESTED} --locked")),
         Step::Verify => {
             let host_sim = verify::tested_host_sim(workspace)?;

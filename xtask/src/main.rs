@@ -26,6 +26,7 @@ mod python;
 mod route;
 mod schedule;
 mod site;
+mod supply;
 mod system;
 mod target;
 mod tools;
@@ -111,6 +112,12 @@ enum Command {
     ///
     /// By `mdBook` 0.5, which cargo builds into target/tools where the search path has none.
     Docs,
+    /// Check what each image holds against docs/supply-chain.csv, and licences and versions
+    Supply {
+        /// Write the list to docs/supply-chain.csv
+        #[arg(long)]
+        update: bool,
+    },
     /// Check formatting, lints, documentation and tests
     ///
     /// On the host: formatting, lints, documentation and tests. For the target: lints, builds, and
@@ -168,6 +175,10 @@ fn main() -> ExitCode {
         ),
         Command::Docs => (
             Workspace::new().and_then(|workspace| site::run(&workspace)),
+            CHECK_FAILED,
+        ),
+        Command::Supply { update } => (
+            Workspace::new().and_then(|workspace| supply::run(&workspace, update)),
             CHECK_FAILED,
         ),
         Command::Test { only, among_others } => (

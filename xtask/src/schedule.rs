@@ -28,6 +28,7 @@ use crate::{
 const LANES: [&[Step]; 2] = [
     &[
         Step::Format,
+        Step::Supply,
         Step::HostLints,
         Step::HostTests,
         Step::Verify,

@@ -35,5 +35,6 @@ pub(super) const CONTENTS: &[Entry] = &[
     Page("Errata", "docs/errata.md"),
     Page("Derivations", "docs/derivations/README.md"),
     Page("Performance", "docs/performance.md"),
+    Page("What is linked", "docs/supply-chain.md"),
     Page("Changes", "CHANGELOG.md"),
 ];
