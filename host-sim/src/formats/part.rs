@@ -17,8 +17,8 @@ use hidden::HiddenFile;
 /// It has no name until then where the system can do that, which is on Linux with `O_TMPFILE`: then
 /// nothing is left of it, even if the program is killed. Elsewhere it has a hidden name, and is
 /// removed when SIGINT, SIGTERM or SIGHUP ends the program. It is locked as long as it is written,
-/// so that what a killed program has left can be told from what another one is writing, and the next
-/// program that writes into the folder removes it.
+/// so that what a killed program has left can be told from what another one is writing, and the
+/// next program that writes into the folder removes it.
 #[derive(Debug)]
 pub struct Part {
     file: PartFile,
@@ -135,7 +135,7 @@ fn remove_abandoned_once(folder: &Path) {
     static SEEN: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
     let mut seen = SEEN.lock().unwrap_or_else(PoisonError::into_inner);
     if seen.insert(folder.to_path_buf()) {
-        // What cannot be removed does not keep the program from its work.
+        // A file that cannot be removed does not keep the program from its work.
         let _ = hidden::remove_abandoned(folder);
     }
 }

@@ -61,7 +61,7 @@ fn commands(document: &str) -> Vec<String> {
 
 /// Returns why the program does not take a command, if it does not.
 fn refusal(command: &str) -> Option<String> {
-    // What the shell, or GNU parallel, puts in is a number.
+    // The shell, or GNU parallel, puts a number in.
     let command = command
         .replace("$SLURM_ARRAY_TASK_ID", "1")
         .replace("$SLURM_CPUS_PER_TASK", "2")

@@ -60,7 +60,7 @@ fn signals(folder: &Path) -> Vec<Signal> {
         let bit = 1 << (signal.as_raw() - 1);
         ignored & bit == 0
     }));
-    // Where a file has a name from the beginning, this one leaves it for the next program.
+    // A file that has a name from the beginning is left by this one for the next program.
     let flags = OFlags::TMPFILE | OFlags::RDWR;
     if openat(CWD, folder, flags, Mode::RUSR).is_ok() {
         signals.push(Signal::KILL);

@@ -1,5 +1,5 @@
-//! What the site is built from: the project's documents as they are, but for the links, and a page
-//! for every source file and folder to which they lead.
+//! Sources of the site: the project's documents as they are, but for the links, and a page for
+//! every source file and folder to which they lead.
 
 use std::{
     collections::{BTreeMap, BTreeSet},

@@ -38,7 +38,8 @@ pub(super) struct Part {
     pub(super) name: String,
     pub(super) version: String,
     pub(super) licence: String,
-    /// `yes` if a line of its sources has the word `unsafe`, even one that is left out of the image.
+    /// `yes` if a line of its sources has the word `unsafe`, even one that is left out of the
+    /// image.
     #[serde(rename = "unsafe")]
     pub(super) has_unsafe: String,
 }

@@ -140,8 +140,8 @@ mod signals {
         });
     }
 
-    /// Signals that the program's caller has not told it to ignore, as `nohup` does, and a shell for
-    /// a command in the background.
+    /// Signals that the program's caller has not told it to ignore, as `nohup` does, and a shell
+    /// for a command in the background.
     pub(in crate::formats::part) fn handled() -> Vec<i32> {
         let status = fs::read_to_string("/proc/self/status");
         let ignored = status.ok().as_deref().and_then(ignored);
