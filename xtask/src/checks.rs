@@ -11,7 +11,7 @@ use crate::{
     equipment::{Equipment, Need},
     exchange,
     firmware::{self, Image},
-    kernel, no_panic, schedule, verify, web, wheel,
+    kernel, no_panic, schedule, site, supply, verify, web, wheel,
     workspace::Workspace,
 };
 
@@ -42,6 +42,10 @@ pub(crate) enum Step {
     HilLints,
     /// Build the documentation
     Docs,
+    /// Build the documents as a site, and check its links
+    Site,
+    /// Compare what each image holds with docs/supply-chain.csv, and check licences and versions
+    Supply,
     /// Run the tests on the host
     HostTests,
     /// Verify every coordinate against the strict solver, with the camera in this process
@@ -95,6 +99,8 @@ impl Step {
             | Self::HostLints
             | Self::HilLints
             | Self::Docs
+            | Self::Site
+            | Self::Supply
             | Self::HostTests
             | Self::Verify
             | Self::Exchange
@@ -162,6 +168,8 @@ fn run_step(step: Step, workspace: &Workspace, equipment: &Equipment<'_>) -> Res
             let doc = workspace.cargo(&format!("doc {TESTED} --no-deps --locked"));
             doc.env("RUSTDOCFLAGS", "-D warnings")
         }
+        Step::Site => return site::check(workspace),
+        Step::Supply => return supply::check(workspace),
         Step::HostTests => workspace.cargo(&format!("test {TESTED} --locked")),
         Step::Verify => {
             let host_sim = verify::tested_host_sim(workspace)?;

@@ -25,6 +25,8 @@ mod other_target;
 mod python;
 mod route;
 mod schedule;
+mod site;
+mod supply;
 mod system;
 mod target;
 mod tools;
@@ -106,6 +108,16 @@ enum Command {
         #[arg(long)]
         update: bool,
     },
+    /// Build the documents as a site of pages into target/site, and check its links
+    ///
+    /// By `mdBook` 0.5, which cargo builds into target/tools where the search path has none.
+    Docs,
+    /// Check what each image holds against docs/supply-chain.csv, and licences and versions
+    Supply {
+        /// Write the list to docs/supply-chain.csv
+        #[arg(long)]
+        update: bool,
+    },
     /// Check formatting, lints, documentation and tests
     ///
     /// On the host: formatting, lints, documentation and tests. For the target: lints, builds, and
@@ -159,6 +171,14 @@ fn main() -> ExitCode {
         ),
         Command::Web { update } => (
             Workspace::new().and_then(|workspace| web::run(&workspace, update)),
+            CHECK_FAILED,
+        ),
+        Command::Docs => (
+            Workspace::new().and_then(|workspace| site::run(&workspace)),
+            CHECK_FAILED,
+        ),
+        Command::Supply { update } => (
+            Workspace::new().and_then(|workspace| supply::run(&workspace, update)),
             CHECK_FAILED,
         ),
         Command::Test { only, among_others } => (

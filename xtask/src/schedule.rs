@@ -28,6 +28,7 @@ use crate::{
 const LANES: [&[Step]; 2] = [
     &[
         Step::Format,
+        Step::Supply,
         Step::HostLints,
         Step::HostTests,
         Step::Verify,
@@ -35,6 +36,7 @@ const LANES: [&[Step]; 2] = [
         Step::Python,
         Step::Web,
         Step::Docs,
+        Step::Site,
         Step::HilLints,
     ],
     &[

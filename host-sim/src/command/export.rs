@@ -13,7 +13,7 @@ use fmc_report::exchange::ExportSummary;
 
 use crate::cli::ExportArgs;
 use crate::failure::{Failure, note};
-use crate::formats::output::{self, OutputFolder};
+use crate::formats::output::{self, OutputFolder, OutputSet};
 
 pub(super) fn run(args: &ExportArgs) -> Result<(), Failure> {
     check_options(args)?;
@@ -37,10 +37,11 @@ pub(super) fn run(args: &ExportArgs) -> Result<(), Failure> {
     let summary = ExportSummary::of(&camera, &bytes, args.format, &exported);
     check_residual(args, &summary)?;
     let folder = OutputFolder::create(&args.out)?;
+    let mut set = OutputSet::new(&folder);
     for (name, bytes) in &exported.files {
-        folder.write(name, |sink| sink.write_all(bytes))?;
+        set.write(name, |sink| sink.write_all(bytes))?;
     }
-    conclude(&folder, &summary)
+    conclude(set, &summary)
 }
 
 /// Refuses a residual above the one that was asked for, and warns of a large one.
@@ -64,8 +65,9 @@ fn check_residual(args: &ExportArgs, summary: &ExportSummary) -> Result<(), Fail
 }
 
 /// Writes the statement, into the folder and to the terminal.
-fn conclude(folder: &OutputFolder, summary: &ExportSummary) -> Result<(), Failure> {
-    folder.write_json("export.json", summary)?;
+fn conclude(mut set: OutputSet<'_>, summary: &ExportSummary) -> Result<(), Failure> {
+    set.write_json("export.json", summary)?;
+    set.complete()?;
     output::write(None, |sink: &mut dyn Write| {
         writeln!(sink, "{}", summary.text())
     })

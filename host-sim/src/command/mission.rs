@@ -20,7 +20,7 @@ use serde::Serialize;
 use crate::cli::MissionArgs;
 use crate::device::StepperCamera;
 use crate::failure::{Failure, note};
-use crate::formats::output::{self, OutputFolder};
+use crate::formats::output::{self, OutputFolder, OutputSet};
 
 pub(super) fn run(args: &MissionArgs) -> Result<(), Failure> {
     let settings = args
@@ -157,12 +157,13 @@ fn write(
         files.push((name, figure.into_bytes()));
     }
     let folder = OutputFolder::create(out)?;
+    let mut set = OutputSet::new(&folder);
     for (name, bytes) in files {
-        folder.write(name, |sink: &mut dyn Write| -> io::Result<()> {
+        set.write(name, |sink: &mut dyn Write| -> io::Result<()> {
             sink.write_all(&bytes)
         })?;
     }
-    Ok(())
+    set.complete()
 }
 
 /// Status line on a terminal: frame, state, V/H, smear, time.

@@ -1,5 +1,6 @@
 //! Output files that appear only when they are complete.
 
+use std::fmt::Display;
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -28,6 +29,15 @@ pub enum Stopped {
     Output(io::Error),
     /// The source of the output has failed.
     Body(Failure),
+}
+
+impl Stopped {
+    fn failure(self, name: impl Display) -> Failure {
+        match self {
+            Self::Output(error) => Failure::writing(name, &error),
+            Self::Body(failure) => failure,
+        }
+    }
 }
 
 impl From<io::Error> for Stopped {
@@ -65,10 +75,7 @@ pub fn stream(
         }
         Some(path) => (write_file(path, body), path.display().to_string()),
     };
-    written.map_err(|stopped| match stopped {
-        Stopped::Output(error) => Failure::writing(name, &error),
-        Stopped::Body(failure) => failure,
-    })
+    written.map_err(|stopped| stopped.failure(name))
 }
 
 /// Refuses to replace the camera file by an answer.
@@ -118,12 +125,24 @@ fn write_file(
     path: &Path,
     body: impl FnOnce(&mut dyn Write) -> Result<(), Stopped>,
 ) -> Result<(), Stopped> {
+    match unfinished(path, body)? {
+        Some(part) => Ok(part.complete()?),
+        None => Ok(()),
+    }
+}
+
+/// Writes a file that has no name yet, or a device, which is then complete.
+fn unfinished(
+    path: &Path,
+    body: impl FnOnce(&mut dyn Write) -> Result<(), Stopped>,
+) -> Result<Option<Part>, Stopped> {
     let path = match fs::metadata(path) {
         // A pipe or a device is written in place: renaming would replace it.
         Ok(existing) if !existing.is_file() && !existing.is_dir() => {
             let mut file = BufWriter::new(File::options().write(true).open(path)?);
             body(&mut file)?;
-            return Ok(file.flush()?);
+            file.flush()?;
+            return Ok(None);
         }
         Ok(existing) if existing.is_dir() => {
             return Err(io::Error::from(io::ErrorKind::IsADirectory).into());
@@ -142,7 +161,7 @@ fn write_file(
     let mut file = BufWriter::new(part);
     body(&mut file)?;
     let part = file.into_inner().map_err(io::IntoInnerError::into_error)?;
-    Ok(part.complete()?)
+    Ok(Some(part))
 }
 
 /// A folder that receives files, each only when it is complete; other files in it are left alone.
@@ -200,9 +219,81 @@ impl OutputFolder {
     /// # Errors
     /// [`Failure`] naming the file.
     pub fn write_json(&self, name: &str, value: &impl Serialize) -> Result<(), Failure> {
-        self.write(name, |sink| {
-            serde_json::to_writer_pretty(&mut *sink, value)?;
-            writeln!(sink)
-        })
+        self.write(name, |sink| json(sink, value))
     }
+}
+
+/// Files of a folder that appear together, once the last of them is written.
+#[derive(Debug)]
+pub struct OutputSet<'a> {
+    folder: &'a OutputFolder,
+    parts: Vec<(PathBuf, Part)>,
+}
+
+impl<'a> OutputSet<'a> {
+    /// Begins a set of files.
+    #[must_use]
+    pub fn new(folder: &'a OutputFolder) -> Self {
+        Self {
+            folder,
+            parts: Vec::new(),
+        }
+    }
+
+    /// Writes one file of the set.
+    ///
+    /// # Errors
+    /// [`Failure`] naming the file.
+    pub fn write(
+        &mut self,
+        name: &str,
+        body: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+    ) -> Result<(), Failure> {
+        self.stream(name, |sink| body(sink).map_err(Stopped::from))
+    }
+
+    /// Writes one file of the set, from a body that may itself fail.
+    ///
+    /// # Errors
+    /// [`Failure`] of the body, or one naming the file.
+    pub fn stream(
+        &mut self,
+        name: &str,
+        body: impl FnOnce(&mut dyn Write) -> Result<(), Stopped>,
+    ) -> Result<(), Failure> {
+        let path = self.folder.path.join(name);
+        let written = unfinished(&path, body).and_then(|part| match part {
+            // On the disk now: nothing is waited for between the names of the first and the last.
+            Some(mut part) => Ok(part.file_mut().sync_all().map(|()| Some(part))?),
+            None => Ok(None),
+        });
+        let part = written.map_err(|stopped| stopped.failure(path.display()))?;
+        self.parts.extend(part.map(|part| (path, part)));
+        Ok(())
+    }
+
+    /// Writes a value as one file of the set, in JSON.
+    ///
+    /// # Errors
+    /// [`Failure`] naming the file.
+    pub fn write_json(&mut self, name: &str, value: &impl Serialize) -> Result<(), Failure> {
+        self.write(name, |sink| json(sink, value))
+    }
+
+    /// Gives all files their names.
+    ///
+    /// # Errors
+    /// [`Failure`] naming the file.
+    pub fn complete(self) -> Result<(), Failure> {
+        for (path, part) in self.parts {
+            let completed = part.complete();
+            completed.map_err(|error| Failure::writing(path.display(), &error))?;
+        }
+        Ok(())
+    }
+}
+
+fn json(sink: &mut dyn Write, value: &impl Serialize) -> io::Result<()> {
+    serde_json::to_writer_pretty(&mut *sink, value)?;
+    writeln!(sink)
 }

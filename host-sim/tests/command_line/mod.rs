@@ -43,6 +43,8 @@ mod composition;
 #[cfg(test)]
 mod default_limits;
 #[cfg(test)]
+mod documents;
+#[cfg(test)]
 #[cfg(target_os = "linux")]
 mod error_stream;
 #[cfg(test)]
@@ -66,6 +68,9 @@ mod gridded_camera;
 mod images;
 #[cfg(test)]
 mod import_grid;
+#[cfg(test)]
+#[cfg(target_os = "linux")]
+mod interrupted;
 #[cfg(test)]
 mod lens_with_grids;
 #[cfg(test)]
@@ -98,6 +103,8 @@ mod rectify;
 mod serial;
 #[cfg(test)]
 mod smear;
+#[cfg(test)]
+mod start;
 #[cfg(test)]
 mod statistics;
 #[cfg(test)]

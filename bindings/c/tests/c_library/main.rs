@@ -3,4 +3,7 @@
 #[cfg(test)]
 mod example;
 #[cfg(test)]
+#[cfg(unix)]
+mod guide;
+#[cfg(test)]
 mod header;

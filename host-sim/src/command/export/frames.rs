@@ -15,7 +15,7 @@ use crate::cli::ExportArgs;
 use crate::command::frames::frame_file;
 use crate::command::frames::orientations::Orientations;
 use crate::failure::Failure;
-use crate::formats::output::{self, OutputFolder};
+use crate::formats::output::{self, OutputFolder, OutputSet};
 
 /// Name of the table of exterior orientations.
 const ORIENTATION: &str = "orientation.csv";
@@ -75,11 +75,12 @@ pub(super) fn run(
             input.map_or(Ok(()), |input| output::check_not_an_input(&file, input))?;
         }
     }
+    let mut set = OutputSet::new(&folder);
     for name in files {
-        folder.write(name, |sink| export.write(name, sink))?;
+        set.write(name, |sink| export.write(name, sink))?;
     }
     if let Some(orientations) = &mut orientations {
-        output::stream(Some(&folder.path().join(ORIENTATION)), |sink| {
+        set.stream(ORIENTATION, |sink| {
             orientations.write(sink, |each| {
                 images.each(&flight.frames, |frame, image| {
                     each(frame.sequence, image, frame.centroid_utc)
@@ -87,7 +88,7 @@ pub(super) fn run(
             })
         })?;
     }
-    super::conclude(&folder, &summary)
+    super::conclude(set, &summary)
 }
 
 /// Adds the poses of the exposures, for a program that has a place for them, and says which

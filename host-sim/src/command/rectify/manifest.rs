@@ -53,7 +53,7 @@ pub(super) struct Manifest {
 }
 
 impl Manifest {
-    /// Opens the manifest of a folder.
+    /// Opens the manifest of a folder, which need not exist before its first row.
     ///
     /// # Errors
     /// [`Failure`] naming the file, for one that is something else.
@@ -61,7 +61,9 @@ impl Manifest {
         let manifest = Self {
             path: folder.join(name(shard)),
         };
-        manifest.keep_last_rows()?;
+        if manifest.path.exists() {
+            manifest.keep_last_rows()?;
+        }
         Ok(manifest)
     }
 
@@ -70,6 +72,9 @@ impl Manifest {
     /// # Errors
     /// [`Failure`] naming the file.
     pub(super) fn done(&self) -> Result<HashSet<String>, Failure> {
+        if !self.path.exists() {
+            return Ok(HashSet::new());
+        }
         let mut file = self.locked().map_err(|error| self.failed(&error))?;
         let rows = self.rows(&mut file)?;
         let done = rows.iter().filter(|row| row.get(2) == Some("0"));
