@@ -418,6 +418,39 @@ mod tests {
         assert_eq!(to_one_that_it_pushes, Some((4, Fault::Encoder)));
     }
 
+    #[test]
+    fn step_that_friction_allows_but_its_neighbours_do_not_share_is_in_doubt() {
+        let doubt_um = |steps_um: [f32; 6]| {
+            let mut watch = StageWatch::new();
+            let mut offset_mm = 0.0;
+            for (round, step_um) in (0_u64..).zip(steps_um) {
+                offset_mm += 1e-3 * step_um;
+                let time = Time::from_us(1000 * round);
+                let moving = Setpoint {
+                    speed_mm_s: SPEED_MM_S,
+                    ..Setpoint::default()
+                };
+                let found = watch.look(StageReading { time, offset_mm }, Some(moving), &WITH_PLAY);
+                assert!(!matches!(found, ReadingVerdict::Fault(_)), "{steps_um:?}");
+            }
+            1e3 * watch.off_mm()
+        };
+        for sign in [1.0, -1.0] {
+            // The drive takes a part of it back.
+            let alone = doubt_um([0.0, 0.1, 0.1, 2.0, -0.5, -0.5].map(|it| sign * it));
+            assert!((alone - 1.9).abs() < 1e-3, "{alone}");
+            for motion in [
+                [0.0, 0.1, 0.1, 0.9, 0.0, 0.0],
+                [0.0, 0.1, 1.2, 2.0, 1.1, 0.2],
+                // A reading that is left out.
+                [0.0, 0.0, 0.0, 8.0, -8.0, 0.0],
+            ] {
+                let doubt = doubt_um(motion.map(|it| sign * it));
+                assert!(doubt <= 0.0, "{motion:?}: {doubt}");
+            }
+        }
+    }
+
     /// First fault of a stage whose reading steps by 3.5 µm and stays after so many rounds at rest.
     fn fault_after_rest(rounds: u64) -> Option<Fault> {
         let mut watch = StageWatch::new();
