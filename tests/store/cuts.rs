@@ -22,7 +22,7 @@ const LAST: u16 = 5;
 /// Version that a start finds; `None` if it finds no calibration.
 type Start = Option<u16>;
 
-/// What is found wrong.
+/// Findings of all cuts.
 #[derive(Debug, Default, PartialEq, Eq)]
 struct Findings {
     /// Cuts that were tried.

@@ -30,7 +30,7 @@ pub(crate) enum Cell {
     Failing,
 }
 
-/// What a supply that fails leaves of a word, or of a sector.
+/// Remains of a word, or of a sector, whose supply failed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Cut {
     /// So many bytes of the word are written; of a sector so many words are erased.
@@ -247,10 +247,10 @@ impl NorFlash for FlashModel {
         let cell = &mut cells[word];
         let whole = Bytes::try_from(bytes).unwrap();
         if *cell != Cell::Blank {
-            // Whether the flash notices is left to chance; the word is lost.
+            // It is left to chance if the flash notices; the word is lost.
             self.written_again += usize::from(*cell != Cell::Holding(BLANK));
             *cell = Cell::Failing;
-            return if random % 2 == 0 && cut.is_none() {
+            return if random.is_multiple_of(2) && cut.is_none() {
                 Ok(())
             } else {
                 Err(NorFlashErrorKind::Other)

@@ -194,7 +194,7 @@ fn record_of_another_format_is_named_and_the_other_slot_is_used() {
 }
 
 #[test]
-fn check_point_that_is_corrected_to_other_bits_is_named() {
+fn probe_point_that_is_corrected_to_other_bits_is_named() {
     let image = image();
     let stored = store_in(flash_of(&image)).load(None).unwrap();
     let mut other = stored.parameters;
@@ -209,7 +209,7 @@ fn check_point_that_is_corrected_to_other_bits_is_named() {
     let at = at.unwrap();
     changed[at..at + new.len()].copy_from_slice(&new);
     let fault = fault_of(&with_crcs(changed));
-    let Some(SlotFault::CheckPoint { stored, computed }) = fault else {
+    let Some(SlotFault::ProbePoint { stored, computed }) = fault else {
         panic!("{fault:?}");
     };
     assert_ne!(stored, computed);
@@ -266,5 +266,5 @@ fn image_of_this_format_has_these_bytes() {
     let image = image();
     assert_eq!(&image[..4], b"FMCS");
     assert_eq!((FORMAT_VERSION, image.len() / WORD), (1, 17));
-    assert_eq!(crc_of(&image), 0);
+    assert_eq!(crc_of(&image), 0x1c6d_7a82);
 }

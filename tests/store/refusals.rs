@@ -234,5 +234,5 @@ fn flash_without_place_for_two_slots_is_refused() {
     let offset = u32::try_from(SECTOR).unwrap();
     let no_place = LayoutError::NoPlace { required, capacity };
     assert_eq!(layout(offset), Err(no_place));
-    assert!(MAX_SLOT_BYTES < SECTOR);
+    const { assert!(MAX_SLOT_BYTES < SECTOR) };
 }

@@ -4,11 +4,11 @@ use embedded_storage::nor_flash::ReadNorFlash;
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
 
-use super::check_point::CheckPoint;
 use super::commit::Commit;
 use super::fault::SlotFault;
 use super::layout::{HEAD_CAPACITY, MAX_BODY_WORDS, WORD_BYTES};
 use super::origin::Origin;
+use super::probe_point::ProbePoint;
 use super::slot::{BODY, Slot, Word};
 use crate::flight::grid_memory::GridMemory;
 use crate::geometry::grid::{GridCarrier, MAX_FILE_BYTES};
@@ -25,7 +25,7 @@ const LENGTH_BYTES: usize = 2;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct Head {
     pub(super) origin: Origin,
-    pub(super) check: CheckPoint,
+    pub(super) probe: ProbePoint,
     /// Bytes of the files of the grids of lens and sensor; 0 without.
     pub(super) grid_bytes: [u16; 2],
     /// Parameters of the camera, as the link carries them.

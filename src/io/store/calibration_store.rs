@@ -33,7 +33,7 @@ pub struct StoredCalibration {
     pub origin: Origin,
     /// Slot in which it lies, 0 or 1.
     pub slot: u8,
-    /// What is wrong with the other slot; `None` if its record is older, or was not read.
+    /// Fault of the other slot; `None` if its record is older, or was not read.
     pub other: Option<SlotFault>,
     /// `true` if a seal shows that the store was carried to its end. Otherwise it was cut, and a
     /// later start may find the calibration before: it is to be stored again.
@@ -120,7 +120,7 @@ impl<F: NorFlash> CalibrationStore<F> {
         memory: Option<&mut GridMemory>,
     ) -> Result<StoredCalibration, NothingStored> {
         let found = self.find(memory)?;
-        let is_sealed = self.slot(found.slot).is_sealed();
+        let is_sealed = self.slot(found.slot).last_seal().is_some();
         Ok(found.stored(is_sealed))
     }
 
@@ -242,8 +242,8 @@ impl<F: NorFlash> CalibrationStore<F> {
         let next = found.commit.sequence.wrapping_add(1);
         let other = 1 - found.slot;
         let mut slot = self.slot(found.slot);
-        if slot.is_sealed() {
-            slot.seal();
+        if let Some(last) = slot.last_seal() {
+            slot.seal_behind(last);
             return (other, next, true);
         }
         match self.judge(other, found.other, memory) {
@@ -274,7 +274,7 @@ impl<F: NorFlash> CalibrationStore<F> {
             compare(&mut slot, index, &word)?;
         }
         put(&mut slot, 0, &commit.to_word())?;
-        if slot.seal() {
+        if slot.seal_behind(0) {
             Ok(())
         } else {
             Err(StoreStep::Write { word: 1 })

@@ -1,4 +1,4 @@
-//! What is wrong with a slot, with a store, and with a calibration to be stored.
+//! Faults of a slot and of both, and reasons for which a calibration is not stored.
 
 use core::fmt;
 
@@ -60,11 +60,11 @@ pub enum SlotFault {
     },
     /// The residual grids are not those that the parameters state, or do not fit the camera.
     Grids(GridMemoryError),
-    /// The check point has no frame.
+    /// The probe point has no frame.
     Frame(FrameError),
-    /// The check point is corrected to other bits than were stored: this firmware computes
+    /// The probe point is corrected to other bits than were stored: this firmware computes
     /// otherwise than the one that stored it.
-    CheckPoint {
+    ProbePoint {
         /// x', y', dx and dy that were stored, bits.
         stored: [u32; 4],
         /// The same as they are computed now.
@@ -102,10 +102,10 @@ impl fmt::Display for SlotFault {
             Self::NoGridMemory => f.write_str("the camera has no memory for its residual grids"),
             Self::Grid { carrier, error } => write!(f, "residual grid of the {carrier}: {error}"),
             Self::Grids(error) => error.fmt(f),
-            Self::Frame(error) => write!(f, "the check point has no frame: {error}"),
-            Self::CheckPoint { stored, computed } => write!(
+            Self::Frame(error) => write!(f, "the probe point has no frame: {error}"),
+            Self::ProbePoint { stored, computed } => write!(
                 f,
-                "the check point is corrected to bits {computed:08x?}, stored are {stored:08x?}"
+                "the probe point is corrected to bits {computed:08x?}, stored are {stored:08x?}"
             ),
         }
     }
@@ -117,7 +117,7 @@ impl core::error::Error for SlotFault {}
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct NothingStored {
-    /// What is wrong with either slot.
+    /// Fault of either slot.
     pub slots: [SlotFault; 2],
 }
 
@@ -181,7 +181,7 @@ pub enum NotStored {
     Grids(GridMemoryError),
     /// It has residual grids, and the camera has no memory for them.
     NoGridMemory,
-    /// Its check point has no frame.
+    /// Its probe point has no frame.
     Frame(FrameError),
     /// It is longer than a slot.
     TooLong,
@@ -208,7 +208,7 @@ impl fmt::Display for NotStored {
             Self::Older { stored } => write!(f, "version {stored} is stored, which is higher"),
             Self::Grids(error) => error.fmt(f),
             Self::NoGridMemory => f.write_str("the camera has no memory for residual grids"),
-            Self::Frame(error) => write!(f, "the check point has no frame: {error}"),
+            Self::Frame(error) => write!(f, "the probe point has no frame: {error}"),
             Self::TooLong => f.write_str("it is longer than a slot"),
             Self::Flash { slot, step } => {
                 write!(f, "the flash of slot {slot} ")?;

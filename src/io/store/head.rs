@@ -3,9 +3,9 @@
 use heapless::Vec;
 
 use super::body::{CARRIERS, Head};
-use super::check_point::CheckPoint;
 use super::fault::NotStored;
 use super::origin::Origin;
+use super::probe_point::ProbePoint;
 use crate::flight::camera::{Camera, CameraParameters};
 use crate::flight::grid_memory::{GridMemory, GridMemoryError};
 use crate::geometry::grid::GridCarrier;
@@ -55,7 +55,7 @@ pub(super) fn of(
     let [lens_bytes, sensor_bytes] = files.map(|file| u16::try_from(file.len()));
     Ok(Head {
         origin: origin.clone(),
-        check: CheckPoint::of(camera, grids.as_ref()).map_err(NotStored::Frame)?,
+        probe: ProbePoint::of(camera, grids.as_ref()).map_err(NotStored::Frame)?,
         grid_bytes: [
             lens_bytes.map_err(|_| NotStored::TooLong)?,
             sensor_bytes.map_err(|_| NotStored::TooLong)?,

@@ -45,11 +45,11 @@ pub(super) fn record<F: ReadNorFlash>(
         }
     }
     let grids = stated(&camera, memory.as_deref())?;
-    let computed = head.check.computed(&camera, grids.as_ref());
+    let computed = head.probe.computed(&camera, grids.as_ref());
     let computed = computed.map_err(SlotFault::Frame)?;
-    let stored = head.check.bits();
+    let stored = head.probe.bits();
     if computed != stored {
-        return Err(SlotFault::CheckPoint { stored, computed });
+        return Err(SlotFault::ProbePoint { stored, computed });
     }
     Ok(Record { head, parameters })
 }

@@ -18,7 +18,7 @@ pub const SEAL_WORDS: u16 = 7;
 pub const FORMAT_VERSION: u16 = 1;
 
 /// Most bytes of a record's head: its length, the texts of the origin with theirs, five numbers of
-/// the check point and four that take up to five bytes, two lengths of grids, and the parameters.
+/// the probe point and four that take up to five bytes, two lengths of grids, and the parameters.
 const HEAD_BYTES: usize = 2
     + (3 + LENS_BYTES + LABORATORY_BYTES + DATE_BYTES)
     + (5 * 4 + 4 * 5)

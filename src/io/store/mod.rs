@@ -4,7 +4,7 @@
 //! A slot is a number of whole sectors, in words of [`WORD_BYTES`] bytes that are written once
 //! between two erasures. Word 0 is the *commit word*, which is written last and makes a record of
 //! what lies behind; the next [`SEAL_WORDS`] are *seals*; then come the words of the record's
-//! *body*: origin, check point and parameters of the camera, and the files of
+//! *body*: origin, probe point and parameters of the camera, and the files of
 //! its residual grids.
 //!
 //! # Writing
@@ -21,7 +21,7 @@
 //! # Reading
 //! A start only reads, so that no number of starts wears the flash. Every word is read once. The
 //! newest record is used whose words can be read, whose CRC-32 is right, whose camera and grids
-//! the library's own checks accept, and whose check point is corrected to the stored bits.
+//! the library's own checks accept, and whose probe point is corrected to the stored bits.
 //! Otherwise that of the other slot is used; otherwise [`NothingStored`] names what is wrong with
 //! either.
 //!
@@ -29,19 +29,19 @@
 
 mod body;
 mod calibration_store;
-mod check_point;
 mod commit;
 mod fault;
 mod head;
 mod judgement;
 mod layout;
 mod origin;
+mod probe_point;
 mod slot;
 
 pub use calibration_store::{CalibrationStore, StoredCalibration};
-pub use check_point::CheckPoint;
 pub use fault::{NotStored, NothingStored, SlotFault, StoreStep};
 pub use layout::{
     FORMAT_VERSION, LayoutError, MAX_BODY_WORDS, MAX_SLOT_BYTES, SEAL_WORDS, WORD_BYTES,
 };
 pub use origin::{DATE_BYTES, LABORATORY_BYTES, LENS_BYTES, Origin, OriginError};
+pub use probe_point::ProbePoint;

@@ -32,13 +32,9 @@ impl<F: ReadNorFlash> Slot<'_, F> {
         read.is_ok().then_some(word)
     }
 
-    /// Returns `true` if any seal has been begun: the commit word has been written to its end.
-    pub(super) fn is_sealed(&mut self) -> bool {
-        self.last_seal().is_some()
-    }
-
-    /// Index of the last seal that has been begun. One that cannot be read has been.
-    fn last_seal(&mut self) -> Option<u16> {
+    /// Index of the last seal that has been begun, readable or not; if there is any, the commit word
+    /// has been written to its end.
+    pub(super) fn last_seal(&mut self) -> Option<u16> {
         (1..=SEAL_WORDS)
             .rev()
             .find(|index| self.read(*index) != Some(BLANK))
@@ -67,10 +63,9 @@ impl<F: NorFlash> Slot<'_, F> {
         self.flash.write(self.offset_of(index), word).ok()
     }
 
-    /// Writes a seal behind all that have been begun; `false` if none could be written.
-    pub(super) fn seal(&mut self) -> bool {
-        let next = self.last_seal().map_or(1, |last| last + 1);
-        (next..=SEAL_WORDS)
-            .any(|index| self.write(index, &SEAL).is_some() && self.read(index) == Some(SEAL))
+    /// Writes a seal behind word `last`; `false` if none could be written.
+    pub(super) fn seal_behind(&mut self, last: u16) -> bool {
+        let mut words = last.saturating_add(1)..=SEAL_WORDS;
+        words.any(|index| self.write(index, &SEAL).is_some() && self.read(index) == Some(SEAL))
     }
 }

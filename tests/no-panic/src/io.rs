@@ -18,7 +18,7 @@ use fmc_camera::io::link::{
 use fmc_camera::io::mavlink::MavlinkReceiver;
 use fmc_camera::io::nmea::NmeaReceiver;
 use fmc_camera::io::store::{
-    CalibrationStore, CheckPoint, NothingStored, Origin, StoredCalibration,
+    CalibrationStore, NothingStored, Origin, ProbePoint, StoredCalibration,
 };
 
 use crate::flash::Flash;
@@ -106,9 +106,9 @@ pub(crate) fn keep() {
         Origin::lens,
         Origin::laboratory,
         Origin::date,
-        CheckPoint::of,
-        CheckPoint::bits,
-        CheckPoint::computed,
+        ProbePoint::of,
+        ProbePoint::bits,
+        ProbePoint::computed,
         NothingStored::is_blank,
     ];
 }

@@ -9,18 +9,18 @@ use crate::geometry::camera_grids::CameraGrids;
 use crate::geometry::principal_point::{PrincipalPointMotion, UniformTravel};
 use crate::geometry::sensor::SensorPoint;
 
-/// Opening offset of the check point's exposure, in strokes.
+/// Opening offset of the probe point's exposure, in strokes.
 const OPENING_STROKES: f32 = -0.125;
 
 /// Travel of the principal point in it, in strokes.
 const TRAVEL_STROKES: f32 = 0.25;
 
-/// Place of the check point, in half widths and half heights from the centre.
+/// Place of the probe point, in half widths and half heights from the centre.
 const PLACE: [f32; 2] = [0.7, -0.6];
 
 /// A point, the motion in its exposure, and the correction of it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct CheckPoint {
+pub struct ProbePoint {
     /// Measured point, sensor frame, mm.
     point: SensorPoint,
     /// Motion of the principal point: Δδ, mm along the FMC axis.
@@ -33,8 +33,8 @@ pub struct CheckPoint {
     bits: [u32; 4],
 }
 
-impl CheckPoint {
-    /// Returns the check point of a camera: a point toward a corner, in an exposure of the longest
+impl ProbePoint {
+    /// Returns the probe point of a camera: a point toward a corner, in an exposure of the longest
     /// time that the camera accepts, in which the principal point moves a quarter of the stroke.
     ///
     /// # Errors
@@ -44,15 +44,15 @@ impl CheckPoint {
         let [_, exposure_s] = camera.limits().exposure_s;
         let sensor = camera.calibration().sensor();
         let [right, up] = PLACE;
-        let mut check = Self {
+        let mut probe = Self {
             point: SensorPoint::new(right * sensor.half_width_mm(), up * sensor.half_height_mm()),
             opening_offset_mm: OPENING_STROKES * stroke_mm,
             speed_mm_s: TRAVEL_STROKES * stroke_mm / exposure_s,
             exposure_s,
             bits: [0; 4],
         };
-        check.bits = check.computed(camera, grids)?;
-        Ok(check)
+        probe.bits = probe.computed(camera, grids)?;
+        Ok(probe)
     }
 
     /// Bits of x', y', dx and dy as they were computed when the calibration was stored.
