@@ -35,7 +35,7 @@ struct Findings {
     missed: usize,
     /// Stores with a good supply, after the cuts, that failed or that the next start did not find.
     not_recovered: usize,
-    /// Words that were written a second time.
+    /// Words that were written a second time though they had read as written.
     written_again: usize,
 }
 

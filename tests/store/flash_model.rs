@@ -4,6 +4,8 @@
 //! erasure that is cut leaves words that read as blank, in part, as whole, otherwise at every
 //! reading, or not at all; none of them takes a write before the next erasure.
 
+use std::collections::BTreeSet;
+
 use embedded_storage::nor_flash::{
     ErrorType, NorFlash, NorFlashErrorKind, ReadNorFlash, check_erase, check_read, check_write,
 };
@@ -80,8 +82,11 @@ pub(crate) struct FlashModel {
     /// Number of the operation that is cut, and how.
     cut: Option<(usize, Cut)>,
     is_without_supply: bool,
-    /// Words that were written again though they do not read as blank.
+    /// Words that were written again though they did not read as blank.
     pub(crate) written_again: usize,
+    /// Sector and index of unstable words that have read as blank: nobody can know that they were
+    /// begun.
+    seen_blank: BTreeSet<(usize, usize)>,
     random: u64,
 }
 
@@ -93,6 +98,7 @@ impl FlashModel {
             cut: None,
             is_without_supply: false,
             written_again: 0,
+            seen_blank: BTreeSet::new(),
             random: 1,
         }
     }
@@ -203,6 +209,13 @@ impl ReadNorFlash for FlashModel {
                 }
             }
         };
+        if matches!(cell, Some(Cell::Unstable(..))) {
+            if read == BLANK {
+                self.seen_blank.insert((sector, word));
+            } else {
+                self.seen_blank.remove(&(sector, word));
+            }
+        }
         bytes.copy_from_slice(&read);
         Ok(())
     }
@@ -248,7 +261,11 @@ impl NorFlash for FlashModel {
         let whole = Bytes::try_from(bytes).unwrap();
         if *cell != Cell::Blank {
             // It is left to chance if the flash notices; the word is lost.
-            self.written_again += usize::from(*cell != Cell::Holding(BLANK));
+            let seemed_blank = match *cell {
+                Cell::Unstable(..) => self.seen_blank.contains(&(sector, word)),
+                held => held == Cell::Holding(BLANK),
+            };
+            self.written_again += usize::from(!seemed_blank);
             *cell = Cell::Failing;
             return if random.is_multiple_of(2) && cut.is_none() {
                 Ok(())

@@ -13,7 +13,8 @@ pub const LABORATORY_BYTES: usize = 48;
 /// Bytes of a date.
 pub const DATE_BYTES: usize = 10;
 
-/// Lens, laboratory and day of a calibration. Serial number and version are parameters of the camera.
+/// Lens, laboratory and day of a calibration. Serial number and version are among the parameters of
+/// the camera.
 #[derive(Debug, Clone, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
 pub struct Origin {
     lens: String<LENS_BYTES>,

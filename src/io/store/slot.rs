@@ -32,8 +32,8 @@ impl<F: ReadNorFlash> Slot<'_, F> {
         read.is_ok().then_some(word)
     }
 
-    /// Index of the last seal that has been begun, readable or not; if there is any, the commit word
-    /// has been written to its end.
+    /// Index of the last seal that has been begun, readable or not; if there is any, the commit
+    /// word has been written to its end.
     pub(super) fn last_seal(&mut self) -> Option<u16> {
         (1..=SEAL_WORDS)
             .rev()
@@ -63,7 +63,9 @@ impl<F: NorFlash> Slot<'_, F> {
         self.flash.write(self.offset_of(index), word).ok()
     }
 
-    /// Writes a seal behind word `last`; `false` if none could be written.
+    /// Writes a seal behind word `last`; `false` if none could be written. A word that was cut and
+    /// read as blank may be among those behind: it does not read as a seal then, and the next is
+    /// taken.
     pub(super) fn seal_behind(&mut self, last: u16) -> bool {
         let mut words = last.saturating_add(1)..=SEAL_WORDS;
         words.any(|index| self.write(index, &SEAL).is_some() && self.read(index) == Some(SEAL))
