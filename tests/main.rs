@@ -19,3 +19,5 @@ mod geometry;
 mod link;
 #[cfg(test)]
 mod stage;
+#[cfg(all(test, feature = "store"))]
+mod store;

@@ -81,6 +81,36 @@ impl GridMemory {
         }
     }
 
+    /// The grid of a part that is whole and not in use: the one in the buffer of
+    /// [`Self::spare_mut`]; `None` unless it has been checked.
+    #[must_use]
+    pub fn spare(&self, carrier: GridCarrier) -> Option<ResidualGrid<'_>> {
+        let (pair, used) = self.pair(carrier);
+        pair.grid(match used {
+            Some(Place::First) => Place::Second,
+            Some(Place::Second) | None => Place::First,
+        })
+    }
+
+    /// File of the grid of a part that is in use; `None` while there is none.
+    #[must_use]
+    pub fn file_in_use(&self, carrier: GridCarrier) -> Option<&[u8]> {
+        let (pair, used) = self.pair(carrier);
+        Some(match used? {
+            Place::First => pair.first.bytes(),
+            Place::Second => pair.second.bytes(),
+        })
+    }
+
+    /// Buffers of a part, and which of them is in use.
+    fn pair(&self, carrier: GridCarrier) -> (&BufferPair, Option<Place>) {
+        let in_use = self.in_use.first();
+        match carrier {
+            GridCarrier::Lens => (&self.lens, in_use.and_then(|grids| grids.lens)),
+            GridCarrier::Sensor => (&self.sensor, in_use.and_then(|grids| grids.sensor)),
+        }
+    }
+
     /// Puts the grids that a camera states into use, or none.
     ///
     /// # Errors

@@ -1,4 +1,4 @@
-//! Inputs and outputs of the camera: the link, and messages of other instruments.
+//! Inputs and outputs of the camera: the link, the store, and messages of other instruments.
 
 #[cfg(all(feature = "mavlink", feature = "nmea"))]
 pub mod instruments;
@@ -8,3 +8,5 @@ pub mod link;
 pub mod mavlink;
 #[cfg(feature = "nmea")]
 pub mod nmea;
+#[cfg(feature = "store")]
+pub mod store;

@@ -21,7 +21,7 @@ mod in_flight;
 mod loading;
 mod longest_answers;
 mod messages;
-mod pc;
+pub(crate) mod pc;
 mod refusals;
 mod repeats;
 #[path = "../../fuzz/targets.rs"]

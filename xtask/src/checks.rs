@@ -21,7 +21,7 @@ pub(crate) const TESTED: &str =
     "--workspace --exclude hil --features fmc-camera/nmea,fmc-camera/mavlink";
 
 /// Features of the library, each of which must compile by itself, and none of them.
-const FEATURES: [&str; 7] = [
+const FEATURES: [&str; 8] = [
     "",
     "defmt",
     "estimation",
@@ -29,6 +29,7 @@ const FEATURES: [&str; 7] = [
     "mavlink",
     "nmea",
     "serde",
+    "store",
 ];
 
 /// One step; its name is that of `--only`.

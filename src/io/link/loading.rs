@@ -50,6 +50,12 @@ impl Upload {
         self.crc
     }
 
+    /// The bytes.
+    #[must_use]
+    pub fn bytes(&self) -> &[u8] {
+        &self.bytes
+    }
+
     /// The requests that load the calibration, in order.
     pub fn requests(&self) -> impl Iterator<Item = Request> {
         let begin = Request::BeginLoad {
@@ -184,17 +190,23 @@ impl Loading {
         if computed != crc {
             return Err(Refusal::LoadCrc { computed });
         }
-        let (mut record, rest) = postcard::take_from_bytes::<CameraParameters>(&self.bytes)
-            .map_err(|_| Refusal::NoRecord)?;
-        if !rest.is_empty() {
-            // A camera without grids has nothing here, so that it has one CRC-32.
-            record.grids = match postcard::take_from_bytes::<GridChecksums>(rest) {
-                Ok((grids, [])) if !grids.is_empty() => grids,
-                _ => return Err(Refusal::NoRecord),
-            };
-        }
+        let record = parameters(&self.bytes).ok_or(Refusal::NoRecord)?;
         Ok((record, crc))
     }
+}
+
+/// Returns the parameters that the bytes of an [`Upload`] make; `None` for other bytes.
+#[must_use]
+pub fn parameters(bytes: &[u8]) -> Option<CameraParameters> {
+    let (mut record, rest) = postcard::take_from_bytes::<CameraParameters>(bytes).ok()?;
+    if !rest.is_empty() {
+        // A camera without grids has nothing here, so that it has one CRC-32.
+        record.grids = match postcard::take_from_bytes::<GridChecksums>(rest) {
+            Ok((grids, [])) if !grids.is_empty() => grids,
+            _ => return None,
+        };
+    }
+    Some(record)
 }
 
 /// A number of bytes; all are less than those of the largest grid.

@@ -9,7 +9,7 @@ use serde::Serialize;
 use super::{CRC_BYTES, LENGTH_BYTES, LONGEST_CHECKED, LONGEST_PACKET, LONGEST_PAYLOAD};
 
 /// CRC-32 (ISO-HDLC) of packets, calibrations and grids.
-pub(super) const CRC: Crc<u32, Table<1>> = Crc::<u32, Table<1>>::new(&CRC_32_ISO_HDLC);
+pub(crate) const CRC: Crc<u32, Table<1>> = Crc::<u32, Table<1>>::new(&CRC_32_ISO_HDLC);
 
 /// Byte that ends a packet.
 pub(crate) const DELIMITER: u8 = 0;

@@ -191,6 +191,8 @@ pub(crate) fn keep() {
         GriddedFrame::new,
         GridMemory::spare_mut,
         GridMemory::put_into_use,
+        GridMemory::spare,
+        GridMemory::file_in_use,
         GridMemory::in_use,
         InDoubt::between,
         InDoubt::contains,

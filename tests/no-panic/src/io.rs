@@ -17,8 +17,14 @@ use fmc_camera::io::link::{
 };
 use fmc_camera::io::mavlink::MavlinkReceiver;
 use fmc_camera::io::nmea::NmeaReceiver;
+use fmc_camera::io::store::{
+    CalibrationStore, NothingStored, Origin, ProbePoint, StoredCalibration,
+};
+
+use crate::flash::Flash;
 
 type Deck = FlownDeck<RigDrive>;
+type Store = CalibrationStore<Flash>;
 type Wired = WiredDeck<RigDrive>;
 
 /// Keeps the public functions of `fmc_camera::io`.
@@ -38,10 +44,12 @@ pub(crate) fn keep() {
         digest::of_camera,
         digest::of_frame_record,
         Upload::of,
+        Upload::bytes,
         Upload::crc,
         Upload::parts,
         Upload::requests,
         loading::grid_requests,
+        loading::parameters,
         RigDeck::new,
         RigDeck::after,
         RigDeck::hear,
@@ -87,5 +95,20 @@ pub(crate) fn keep() {
         NmeaReceiver::receive,
         NmeaReceiver::is_under_way,
         NmeaReceiver::take_unexplained,
+        Store::new,
+        Store::of_camera,
+        Store::flash_mut,
+        Store::into_flash,
+        Store::load,
+        Store::store,
+        StoredCalibration::id,
+        Origin::new,
+        Origin::lens,
+        Origin::laboratory,
+        Origin::date,
+        ProbePoint::of,
+        ProbePoint::bits,
+        ProbePoint::computed,
+        NothingStored::is_blank,
     ];
 }

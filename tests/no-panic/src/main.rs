@@ -20,6 +20,7 @@ macro_rules! keep {
     };
 }
 
+mod flash;
 mod flight;
 mod geometry;
 mod gridded;

@@ -1,0 +1,351 @@
+//! The two slots: which of them is read, and which is written.
+
+use embedded_storage::nor_flash::{NorFlash, ReadNorFlash};
+
+use super::body::Body;
+use super::commit::Commit;
+use super::fault::{NotStored, NothingStored, SlotFault, StoreStep};
+use super::head;
+use super::judgement::{self, Record};
+use super::layout::{LayoutError, MAX_SLOT_BYTES, WORD_BYTES};
+use super::origin::Origin;
+use super::slot::{BODY, Slot, Word};
+use crate::flight::calibration_id::{CalibrationId, SerialNumber, Storage};
+use crate::flight::camera::{Camera, CameraParameters};
+use crate::flight::grid_memory::GridMemory;
+use crate::io::link::digest;
+
+/// A camera's calibration in two slots of a flash.
+#[derive(Debug)]
+pub struct CalibrationStore<F> {
+    flash: F,
+    /// Offset of the first slot, bytes; the second follows it.
+    offset: u32,
+    serial: SerialNumber,
+}
+
+/// A calibration that is stored, as it has been read.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StoredCalibration {
+    /// Parameters of the camera, serial number and version of the calibration among them.
+    pub parameters: CameraParameters,
+    /// Origin of the calibration.
+    pub origin: Origin,
+    /// Slot in which it lies, 0 or 1.
+    pub slot: u8,
+    /// Fault of the other slot; `None` if its record is older, or was not read.
+    pub other: Option<SlotFault>,
+    /// `true` if a seal shows that the store was carried to its end. Otherwise it was cut, and a
+    /// later start may find the calibration before: it is to be stored again.
+    pub is_sealed: bool,
+}
+
+impl StoredCalibration {
+    /// Identity of the calibration.
+    #[must_use]
+    pub fn id(&self) -> CalibrationId {
+        CalibrationId {
+            serial: self.parameters.serial,
+            version: self.parameters.version,
+            crc: digest::of_camera(&self.parameters),
+            storage: Storage::Stored,
+        }
+    }
+}
+
+/// The newest good record.
+struct Found {
+    slot: usize,
+    commit: Commit,
+    record: Record,
+    /// Commit word of the other slot, whose record is older and has not been read; or what is wrong
+    /// with that slot.
+    other: Result<Commit, SlotFault>,
+}
+
+impl<F: NorFlash> CalibrationStore<F> {
+    /// Returns the store whose first slot begins at an offset of the flash.
+    ///
+    /// # Errors
+    /// [`LayoutError`] if two slots of whole sectors have no place there.
+    pub fn new(flash: F, offset: u32) -> Result<Self, LayoutError> {
+        const {
+            assert!(WORD_BYTES.is_multiple_of(F::READ_SIZE));
+            assert!(WORD_BYTES.is_multiple_of(F::WRITE_SIZE));
+            assert!(F::ERASE_SIZE.is_multiple_of(WORD_BYTES));
+        }
+        let sector = F::ERASE_SIZE;
+        let begin = usize::try_from(offset).unwrap_or(usize::MAX);
+        if !begin.is_multiple_of(sector) {
+            return Err(LayoutError::NoSector { offset, sector });
+        }
+        let required = begin.saturating_add(2 * slot_bytes::<F>());
+        let capacity = flash.capacity();
+        // An offset has 32 bits.
+        if required > capacity || u32::try_from(required).is_err() {
+            return Err(LayoutError::NoPlace { required, capacity });
+        }
+        Ok(Self {
+            flash,
+            offset,
+            serial: SerialNumber::EMPTY,
+        })
+    }
+
+    /// Returns the same store of a camera that knows its own serial number, and uses and stores no
+    /// calibration of another.
+    #[must_use]
+    pub fn of_camera(self, serial: SerialNumber) -> Self {
+        Self { serial, ..self }
+    }
+
+    /// The flash.
+    pub const fn flash_mut(&mut self) -> &mut F {
+        &mut self.flash
+    }
+
+    /// Returns the flash.
+    #[must_use]
+    pub fn into_flash(self) -> F {
+        self.flash
+    }
+
+    /// Reads the newest calibration that this camera can use. The files of its grids, checked, are
+    /// in the buffers of `memory` that are not in use. Nothing is written.
+    ///
+    /// # Errors
+    /// [`NothingStored`] with what is wrong with either slot.
+    pub fn load(
+        &mut self,
+        memory: Option<&mut GridMemory>,
+    ) -> Result<StoredCalibration, NothingStored> {
+        let found = self.find(memory)?;
+        let is_sealed = self.slot(found.slot).last_seal().is_some();
+        Ok(found.stored(is_sealed))
+    }
+
+    /// Stores a calibration; if it has residual grids, those in use, which have to be its own. Only
+    /// the slot is written that is not the newest good one. A calibration that is stored already is
+    /// not written again.
+    ///
+    /// # Errors
+    /// [`NotStored`]; a start then finds what was stored before. It may find the new calibration
+    /// only after [`NotStored::Flash`] at the commit word or a seal, words 0 to
+    /// [`SEAL_WORDS`](super::SEAL_WORDS).
+    pub fn store(
+        &mut self,
+        parameters: &CameraParameters,
+        origin: &Origin,
+        mut memory: Option<&mut GridMemory>,
+    ) -> Result<StoredCalibration, NotStored> {
+        let camera = Camera::new(*parameters).map_err(NotStored::Calibration)?;
+        origin.check().map_err(NotStored::Origin)?;
+        check_serial(self.serial, parameters)?;
+        let found = self.find(memory.as_deref_mut());
+        if let Ok(Found { record, .. }) = &found {
+            check_serial(record.parameters.serial, parameters)?;
+            if record.parameters.version > parameters.version {
+                let stored = record.parameters.version;
+                return Err(NotStored::Older { stored });
+            }
+        }
+        let (target, sequence, is_sealed) = match &found {
+            Ok(found) => self.target(found, memory.as_deref_mut()),
+            Err(nothing) => self.first_target(nothing),
+        };
+        let memory = memory.as_deref();
+        let files = head::files_in_use(parameters, memory)?;
+        let head = head::of(&camera, parameters, origin, memory, files)?;
+        if let Ok(found) = found
+            && is_sealed
+            && found.record.head == head
+        {
+            return Ok(found.stored(true));
+        }
+        let body = Body::new(&head, files).ok_or(NotStored::TooLong)?;
+        let commit = body.commit(sequence).ok_or(NotStored::TooLong)?;
+        #[expect(clippy::cast_possible_truncation, reason = "0 or 1")]
+        let slot = target as u8;
+        self.write(target, &body, commit)
+            .map_err(|step| NotStored::Flash { slot, step })?;
+        Ok(StoredCalibration {
+            parameters: *parameters,
+            origin: head.origin,
+            slot,
+            other: None,
+            is_sealed: true,
+        })
+    }
+
+    /// Finds the newest record that this camera can use. Each commit word is read once.
+    fn find(&mut self, mut memory: Option<&mut GridMemory>) -> Result<Found, NothingStored> {
+        let commits = self.commits();
+        let newest = match &commits {
+            [Ok(first), Ok(second)] => usize::from(second.is_newer_than(first)),
+            [first, _] => usize::from(first.is_err()),
+        };
+        let other = 1 - newest;
+        let [first, second] = commits;
+        let [newer, older] = if newest == 0 {
+            [first, second]
+        } else {
+            [second, first]
+        };
+        let newer_fault = match self.judge(newest, newer, memory.as_deref_mut()) {
+            Ok((commit, record)) => {
+                return Ok(Found {
+                    slot: newest,
+                    commit,
+                    record,
+                    other: older,
+                });
+            }
+            Err(fault) => fault,
+        };
+        match self.judge(other, older, memory) {
+            Ok((commit, record)) => Ok(Found {
+                slot: other,
+                commit,
+                record,
+                other: Err(newer_fault),
+            }),
+            Err(older_fault) => Err(NothingStored {
+                slots: if newest == 0 {
+                    [newer_fault, older_fault]
+                } else {
+                    [older_fault, newer_fault]
+                },
+            }),
+        }
+    }
+
+    /// Reads the record behind a commit word.
+    fn judge(
+        &mut self,
+        index: usize,
+        commit: Result<Commit, SlotFault>,
+        memory: Option<&mut GridMemory>,
+    ) -> Result<(Commit, Record), SlotFault> {
+        let commit = commit?;
+        let serial = self.serial;
+        let record = judgement::record(&mut self.slot(index), &commit, serial, memory)?;
+        Ok((commit, record))
+    }
+
+    /// Returns the slot to be written beside a record, the number of the next, and whether a seal
+    /// shows that the record's store was carried to its end.
+    ///
+    /// A seal that was seen may have been cut itself, and be blank when it is read again. Therefore
+    /// a further one is written before anything is erased: if it could not be, the flash is worn,
+    /// and the record is sound all the same.
+    fn target(&mut self, found: &Found, memory: Option<&mut GridMemory>) -> (usize, u32, bool) {
+        let next = found.commit.sequence.wrapping_add(1);
+        let other = 1 - found.slot;
+        let mut slot = self.slot(found.slot);
+        if let Some(last) = slot.last_seal() {
+            slot.seal_behind(last);
+            return (other, next, true);
+        }
+        match self.judge(other, found.other, memory) {
+            Ok(_) => (found.slot, next, false),
+            Err(_) => (other, next, false),
+        }
+    }
+
+    /// Returns the same where there is no record: a slot that is not blank is written again, so
+    /// that none is left behind that may be read as whole later.
+    fn first_target(&mut self, nothing: &NothingStored) -> (usize, u32, bool) {
+        let numbers = self.commits().into_iter().flatten();
+        let last = numbers.map(|commit| commit.sequence).max().unwrap_or(0);
+        let [first, second] = nothing.slots;
+        let is_second = first == SlotFault::Blank && second != SlotFault::Blank;
+        (usize::from(is_second), last.wrapping_add(1), false)
+    }
+
+    /// Writes a record into a slot.
+    fn write(&mut self, index: usize, body: &Body<'_>, commit: Commit) -> Result<(), StoreStep> {
+        let mut slot = self.slot(index);
+        slot.erase(slot_bytes::<F>()).ok_or(StoreStep::Erase)?;
+        for (index, word) in (BODY..).zip(body.words()) {
+            put(&mut slot, index, &word)?;
+        }
+        // Once more, now that all has been written.
+        for (index, word) in (BODY..).zip(body.words()) {
+            compare(&mut slot, index, &word)?;
+        }
+        put(&mut slot, 0, &commit.to_word())?;
+        if slot.seal_behind(0) {
+            Ok(())
+        } else {
+            Err(StoreStep::Write { word: 1 })
+        }
+    }
+
+    /// Reads both commit words.
+    fn commits(&mut self) -> [Result<Commit, SlotFault>; 2] {
+        [0, 1].map(|index| match self.slot(index).read(0) {
+            Some(word) => Commit::parse(&word),
+            None => Err(SlotFault::Unreadable { word: 0 }),
+        })
+    }
+
+    fn slot(&mut self, index: usize) -> Slot<'_, F> {
+        let second = if index == 0 { 0 } else { slot_bytes::<F>() };
+        #[expect(
+            clippy::cast_possible_truncation,
+            reason = "both slots end within 32 bits"
+        )]
+        let offset = self.offset + second as u32;
+        Slot {
+            flash: &mut self.flash,
+            offset,
+        }
+    }
+}
+
+impl Found {
+    fn stored(self, is_sealed: bool) -> StoredCalibration {
+        StoredCalibration {
+            parameters: self.record.parameters,
+            origin: self.record.head.origin,
+            #[expect(clippy::cast_possible_truncation, reason = "0 or 1")]
+            slot: self.slot as u8,
+            other: self.other.err(),
+            is_sealed,
+        }
+    }
+}
+
+/// Writes a word and compares it.
+fn put<F: NorFlash>(slot: &mut Slot<'_, F>, index: u16, word: &Word) -> Result<(), StoreStep> {
+    slot.write(index, word)
+        .ok_or(StoreStep::Write { word: index })?;
+    compare(slot, index, word)
+}
+
+/// Checks that a word reads as it was written.
+fn compare<F: ReadNorFlash>(
+    slot: &mut Slot<'_, F>,
+    index: u16,
+    word: &Word,
+) -> Result<(), StoreStep> {
+    if slot.read(index).as_ref() == Some(word) {
+        Ok(())
+    } else {
+        Err(StoreStep::Compare { word: index })
+    }
+}
+
+/// Checks that parameters are those of a camera, if its serial number is known.
+fn check_serial(camera: SerialNumber, parameters: &CameraParameters) -> Result<(), NotStored> {
+    if camera.is_empty() || camera == parameters.serial {
+        Ok(())
+    } else {
+        Err(NotStored::OtherCamera { camera })
+    }
+}
+
+/// Bytes of a slot: whole sectors.
+const fn slot_bytes<F: NorFlash>() -> usize {
+    MAX_SLOT_BYTES.next_multiple_of(F::ERASE_SIZE)
+}

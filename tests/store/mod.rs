@@ -1,0 +1,18 @@
+//! The store as a user of the crate sees it: a flash whose supply fails at any word, images of any
+//! contents, flashes that are worn.
+
+#![cfg(test)]
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    clippy::indexing_slicing,
+    reason = "tests"
+)]
+
+mod calibrations;
+mod cuts;
+mod flash_model;
+mod grids;
+mod images;
+mod orders;
+mod refusals;

@@ -1,0 +1,238 @@
+//! Calibrations that are not stored, and flashes that do not take them: what was stored stays.
+
+use embedded_storage::nor_flash::{ErrorType, NorFlash, NorFlashErrorKind, ReadNorFlash};
+use fmc_camera::flight::calibration_id::{SerialNumber, Storage};
+use fmc_camera::flight::grid_memory::{GridMemory, GridMemoryError};
+use fmc_camera::geometry::grid::{GridCarrier, GridChecksums};
+use fmc_camera::geometry::range::Quantity;
+use fmc_camera::io::link::digest;
+use fmc_camera::io::store::{
+    CalibrationStore, LayoutError, MAX_SLOT_BYTES, NotStored, SEAL_WORDS, SlotFault, StoreStep,
+};
+
+use crate::store::calibrations::{calibration, flash_after, origin, store_in};
+use crate::store::flash_model::{Cell, FlashModel, Operation, SECTOR};
+
+/// Checks that a store of version 7 holds it still.
+fn assert_holds_seven<F: NorFlash>(store: &mut CalibrationStore<F>) {
+    assert_eq!(store.load(None).unwrap().parameters, calibration(7));
+}
+
+#[test]
+fn stored_calibration_is_found_with_its_identity_and_the_one_before_in_the_other_slot() {
+    let mut store = store_in(FlashModel::blank());
+    for version in 1..=5 {
+        let stored = store.store(&calibration(version), &origin(version), None);
+        let stored = stored.unwrap();
+        assert_eq!(stored.slot, u8::try_from((version - 1) % 2).unwrap());
+        let found = store.load(None).unwrap();
+        assert_eq!(
+            (found.slot, found.parameters),
+            (stored.slot, stored.parameters)
+        );
+        assert_eq!(found.other, (version == 1).then_some(SlotFault::Blank));
+        assert!(stored.is_sealed && found.is_sealed);
+        let id = stored.id();
+        assert_eq!((id.version, id.storage), (version.into(), Storage::Stored));
+        assert_eq!(id.crc, digest::of_camera(&calibration(version)));
+        assert_eq!([&stored.origin, &found.origin], [&origin(version); 2]);
+    }
+    let mut flash = store.into_flash();
+    flash.sectors[0].clear();
+    let before = store_in(flash).load(None).unwrap();
+    assert_eq!(before.parameters, calibration(4));
+    assert_eq!(before.other, Some(SlotFault::Blank));
+}
+
+#[test]
+fn calibration_that_is_stored_already_is_not_written_again() {
+    let mut store = store_in(flash_after(&[6, 7]).started());
+    for repeat in 0..10 {
+        let stored = store.store(&calibration(7), &origin(7), None).unwrap();
+        assert_eq!(stored.parameters, calibration(7));
+        let operations = &store.flash_mut().operations;
+        let is_seal = |operation: &Operation| matches!(operation, Operation::Write(word) if (1..=usize::from(SEAL_WORDS)).contains(word));
+        assert!(operations.iter().all(is_seal), "{repeat}: {operations:?}");
+        assert!(operations.len() < usize::from(SEAL_WORDS));
+    }
+}
+
+#[test]
+fn calibration_of_another_camera_or_of_a_lower_version_is_refused() {
+    let mut store = store_in(flash_after(&[7]));
+    let mut other = calibration(8);
+    other.serial = SerialNumber::new("RC30-5283").unwrap();
+    let camera = calibration(7).serial;
+    let refused = store.store(&other, &origin(8), None);
+    assert_eq!(refused, Err(NotStored::OtherCamera { camera }));
+    let refused = store.store(&calibration(6), &origin(6), None);
+    assert_eq!(refused, Err(NotStored::Older { stored: 7 }));
+    assert_holds_seven(&mut store);
+    // A camera that knows its own number compares that, also before anything is stored.
+    let mut store = store_in(FlashModel::blank()).of_camera(camera);
+    let refused = store.store(&other, &origin(8), None);
+    assert_eq!(refused, Err(NotStored::OtherCamera { camera }));
+    assert!(store.load(None).unwrap_err().is_blank());
+}
+
+#[test]
+fn calibration_that_is_not_usable_or_whose_grids_are_not_in_use_is_refused() {
+    let mut store = store_in(flash_after(&[7]).started());
+    let mut bad = calibration(8);
+    bad.calibration.pixel_um = -1.0;
+    let error = Quantity::PixelUm.check(-1.0).unwrap_err();
+    let refused = store.store(&bad, &origin(8), None);
+    assert_eq!(refused, Err(NotStored::Calibration(error.into())));
+    let mut gridded = calibration(8);
+    gridded.grids = GridChecksums {
+        lens: Some(1),
+        sensor: None,
+    };
+    let refused = store.store(&gridded, &origin(8), None);
+    assert_eq!(refused, Err(NotStored::NoGridMemory));
+    let mut memory = Box::new(GridMemory::EMPTY);
+    let refused = store.store(&gridded, &origin(8), Some(&mut memory));
+    let missing = GridMemoryError::Missing {
+        carrier: GridCarrier::Lens,
+        crc32: 1,
+    };
+    assert_eq!(refused, Err(NotStored::Grids(missing)));
+    let erased = |operation: &Operation| matches!(operation, Operation::Erase(_));
+    assert!(!store.flash_mut().operations.iter().any(erased));
+    assert_holds_seven(&mut store);
+}
+
+/// A flash of which an operation fails at every attempt, or a word keeps a bit.
+#[derive(Debug)]
+struct Worn {
+    model: FlashModel,
+    fails_to_erase: bool,
+    /// Index of the word that it does not take.
+    refused: Option<usize>,
+    /// Index of the word in which a bit stays 1.
+    stuck: Option<usize>,
+}
+
+impl Worn {
+    fn index(offset: u32) -> usize {
+        usize::try_from(offset).unwrap() % SECTOR / 32
+    }
+}
+
+impl ErrorType for Worn {
+    type Error = NorFlashErrorKind;
+}
+
+impl ReadNorFlash for Worn {
+    const READ_SIZE: usize = 32;
+
+    fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), Self::Error> {
+        self.model.read(offset, bytes)
+    }
+
+    fn capacity(&self) -> usize {
+        self.model.capacity()
+    }
+}
+
+impl NorFlash for Worn {
+    const WRITE_SIZE: usize = FlashModel::WRITE_SIZE;
+    const ERASE_SIZE: usize = FlashModel::ERASE_SIZE;
+
+    fn erase(&mut self, from: u32, to: u32) -> Result<(), Self::Error> {
+        if self.fails_to_erase {
+            return Err(NorFlashErrorKind::Other);
+        }
+        self.model.erase(from, to)
+    }
+
+    fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), Self::Error> {
+        let word = Self::index(offset);
+        if self.refused == Some(word) {
+            return Err(NorFlashErrorKind::Other);
+        }
+        let mut bytes = bytes.to_vec();
+        if self.stuck == Some(word) {
+            let byte = bytes.iter_mut().find(|byte| **byte != 0xff).unwrap();
+            *byte |= !*byte & byte.wrapping_add(1);
+        }
+        self.model.write(offset, &bytes)
+    }
+}
+
+#[test]
+fn flash_that_is_worn_is_named_and_what_was_stored_stays() {
+    let sound = || Worn {
+        model: flash_after(&[6, 7]),
+        fails_to_erase: false,
+        refused: None,
+        stuck: None,
+    };
+    let refused = |worn: Worn| {
+        let mut store = CalibrationStore::new(worn, 0).unwrap();
+        let refused = store.store(&calibration(8), &origin(8), None).unwrap_err();
+        assert_holds_seven(&mut store);
+        match refused {
+            NotStored::Flash { slot, step } => {
+                assert_eq!(slot, 0);
+                step
+            }
+            other => panic!("{other:?}"),
+        }
+    };
+    let step = refused(Worn {
+        fails_to_erase: true,
+        ..sound()
+    });
+    assert_eq!(step, StoreStep::Erase);
+    let words = sound().model.sectors[0].len();
+    let body = 1 + usize::from(SEAL_WORDS);
+    for index in (0..1).chain(body..words) {
+        let word = u16::try_from(index).unwrap();
+        let step = refused(Worn {
+            refused: Some(index),
+            ..sound()
+        });
+        assert_eq!(step, StoreStep::Write { word });
+        let step = refused(Worn {
+            stuck: Some(index),
+            ..sound()
+        });
+        assert_eq!(step, StoreStep::Compare { word });
+    }
+}
+
+#[test]
+fn seal_that_the_flash_does_not_take_is_written_into_the_next_word() {
+    let mut worn = CalibrationStore::new(
+        Worn {
+            model: flash_after(&[6, 7]),
+            fails_to_erase: false,
+            refused: Some(1),
+            stuck: Some(2),
+        },
+        0,
+    )
+    .unwrap();
+    assert!(worn.store(&calibration(8), &origin(8), None).is_ok());
+    let flash = worn.into_flash().model;
+    assert_eq!(flash.sectors[0][1], Cell::Blank);
+    let stored = store_in(flash).load(None).unwrap();
+    assert!(stored.is_sealed);
+    assert_eq!(stored.parameters, calibration(8));
+}
+
+#[test]
+fn flash_without_place_for_two_slots_is_refused() {
+    let layout = |offset| CalibrationStore::new(FlashModel::blank(), offset).map(|_| ());
+    assert_eq!(layout(0), Ok(()));
+    let sector = SECTOR;
+    let offset = 32;
+    assert_eq!(layout(32), Err(LayoutError::NoSector { offset, sector }));
+    let required = 3 * SECTOR;
+    let capacity = 2 * SECTOR;
+    let offset = u32::try_from(SECTOR).unwrap();
+    let no_place = LayoutError::NoPlace { required, capacity };
+    assert_eq!(layout(offset), Err(no_place));
+    const { assert!(MAX_SLOT_BYTES < SECTOR) };
+}
