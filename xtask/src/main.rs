@@ -23,8 +23,10 @@ mod missing;
 mod no_panic;
 mod other_target;
 mod python;
+
 mod route;
 mod schedule;
+mod stack;
 mod system;
 mod target;
 mod tools;
