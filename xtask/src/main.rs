@@ -24,6 +24,7 @@ mod no_panic;
 mod other_target;
 mod python;
 
+mod rounding;
 mod route;
 mod schedule;
 mod stack;
