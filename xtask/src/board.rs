@@ -34,8 +34,8 @@ type Callers = BTreeMap<String, BTreeSet<String>>;
 /// document's command without a board, and copies the image to `<target>/firmware`.
 ///
 /// # Errors
-/// An error if the image has lints, does not link, or can panic in functions that are not listed, or
-/// if its stack has no bound.
+/// An error if the image has lints, does not link, can panic in functions that are not listed, or
+/// has a stack without a bound.
 pub(crate) fn check(workspace: &Workspace, target: &Target<'_>) -> Result<()> {
     let board = Image::NucleoH743zi;
     firmware::lint(target, board)?;

@@ -1,4 +1,4 @@
-//! What is claimed of the rounding: which function, over which ranges, of which result.
+//! Claims about the rounding: a function, the ranges of its numbers, and one of its results.
 
 use std::{collections::BTreeMap, fs, path::Path};
 
@@ -293,7 +293,7 @@ fn of_travels(root: &Path, ranges: &Ranges) -> Result<Vec<Claim>> {
         definitions.lines.push((format!("travel_{field}"), value));
     }
     given.retain(|name, _| definitions.inputs.contains(name));
-    // What the plan reads besides is of other results.
+    // Other numbers that the plan reads are of other results.
     definitions.lines.append(&mut second.lines);
     Ok(vec![Claim {
         name: "travel f·V/H·t".to_owned(),

@@ -13,7 +13,7 @@ use super::{
     source::{Function, Source, number},
 };
 
-/// What a script computes: definitions in their order.
+/// Computation of a script: definitions in their order.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Definitions {
     /// Names with their expressions.
@@ -22,7 +22,7 @@ pub(super) struct Definitions {
     pub(super) inputs: Vec<String>,
 }
 
-/// How a function is read.
+/// Way in which a function is read.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Reading<'a> {
     /// True if conditions hold: what is behind an `if` is computed.
@@ -165,7 +165,7 @@ impl Reader<'_> {
                 self.scope.values.insert(name, input);
             }
             (Pat::Ident(name), value) => {
-                // What no result needs may be what it likes.
+                // A name that no result needs may stand for anything.
                 if let Ok(value) = self.expression(value) {
                     self.bind(&name.ident.to_string(), value);
                 }
@@ -438,7 +438,7 @@ mod tests {
     fn what_is_not_arithmetic_is_an_error_unless_it_is_given() {
         let text = "fn of(x: f32) -> f32 { let n = x.floor_or(1.0); x / n }";
         let source = Source::parse(text).unwrap();
-        // What cannot be read is no number from outside that nobody has asked for.
+        // A result that the function does not have is an error.
         assert!(read(&source, "of", Reading::default(), &["other"]).is_err());
         let reading = Reading {
             given: &["n"],

@@ -1,7 +1,7 @@
 //! Stack of one function: how deep it is at each call, found by following every path through it.
 //!
 //! Two paths that meet must agree on the depth, and every return must leave none: so an instruction
-//! that was read wrongly, or a stack whose size is not constant, is an error and not a wrong number.
+//! that was read wrongly, or a stack whose size is not constant, is an error, not a wrong number.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -108,7 +108,7 @@ impl Walk<'_> {
             ..step
         };
         let depth = u32::try_from(step.depth).context("the stack is above its start")?;
-        // Where the condition holds, the other path has passed the instruction over.
+        // Both paths are open: the other one does what the instruction says.
         if condition == Some(false) {
             return self.go(next);
         }

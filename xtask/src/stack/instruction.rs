@@ -1,8 +1,8 @@
 //! Thumb instructions, read for two things: how they move the stack pointer, and where they lead.
 //!
 //! Encodings: ARM DDI 0403 (ARMv7-M Architecture Reference Manual), A5 to A7. An instruction that
-//! writes the stack pointer in another way than by a constant is [`Effect::Unreadable`]; the walk of
-//! a function ([`super::function`]) finds one that was missed, because depths no longer agree.
+//! writes the stack pointer in another way than by a constant is [`Effect::Unreadable`]; the walk
+//! of a function ([`super::function`]) finds one that was missed, since depths no longer agree.
 
 /// Number of the stack pointer, the link register and the program counter.
 const SP: u16 = 13;
@@ -16,7 +16,7 @@ pub(super) struct Instruction {
     pub(super) effect: Effect,
 }
 
-/// What an instruction does to the stack pointer and to the program counter.
+/// Effect of an instruction on the stack pointer and on the program counter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Effect {
     /// Neither.
