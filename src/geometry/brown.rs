@@ -73,7 +73,8 @@ impl Brown {
     /// ideal.
     ///
     /// # Accuracy
-    /// Rounding ≤ 0.11 nm for the published calibrations (`tests/geometry/accuracy.rs`).
+    /// Rounding ≤ 0.37 nm for the published calibrations (proved, `docs/rounding.md`), of which
+    /// 0.11 nm were found (`tests/geometry/accuracy.rs`).
     ///
     /// # Examples
     /// ```

@@ -241,8 +241,9 @@ impl FrameCorrection {
     ///
     /// # Accuracy
     /// Half a unit in the last place of the coordinate (3.8 nm at 114 mm) on top of
-    /// [`Self::left_out_nm`] and 1 ppm of rounding in the distortion (0.11 nm on the published
-    /// cameras, `tests/geometry/accuracy.rs`).
+    /// [`Self::left_out_nm`] and the rounding of the distortion: at most 0.37 nm on the published
+    /// cameras (proved, `docs/rounding.md`), of which 0.11 nm were found
+    /// (`tests/geometry/accuracy.rs`).
     #[inline]
     #[must_use]
     pub fn correct(&self, measured: SensorPoint) -> Corrected {

@@ -10,6 +10,7 @@ use object::{Object as _, ObjectSection as _, ObjectSymbol as _, RelocationTarge
 
 use crate::{
     firmware::{self, Image},
+    stack,
     target::Target,
     workspace::Workspace,
 };
@@ -29,11 +30,12 @@ const ALLOWED: &str = "docs/board-panics.txt";
 /// Callers of a function, by name.
 type Callers = BTreeMap<String, BTreeSet<String>>;
 
-/// Lints and links the image, compares its panics with the list, runs the document's command
-/// without a board, and copies the image to `<target>/firmware`.
+/// Lints and links the image, compares its panics with the list, bounds its stack, runs the
+/// document's command without a board, and copies the image to `<target>/firmware`.
 ///
 /// # Errors
-/// An error if the image has lints, does not link, or can panic in functions that are not listed.
+/// An error if the image has lints, does not link, can panic in functions that are not listed, or
+/// has a stack without a bound.
 pub(crate) fn check(workspace: &Workspace, target: &Target<'_>) -> Result<()> {
     let board = Image::NucleoH743zi;
     firmware::lint(target, board)?;
@@ -65,6 +67,7 @@ pub(crate) fn check(workspace: &Workspace, target: &Target<'_>) -> Result<()> {
 
     let image = firmware::build(workspace, target, board)?;
     eprintln!("image: {}", image.display());
+    stack::check(&workspace.root, &image)?;
     check_command(workspace, target, &image)
 }
 
@@ -157,7 +160,7 @@ fn panicking(callers: &Callers) -> BTreeSet<String> {
 
 /// Returns the readable path of a function, without hashes, in one form for all ways in which
 /// compilers write methods.
-fn path_of(symbol: &str) -> String {
+pub(crate) fn path_of(symbol: &str) -> String {
     format!("{:#}", rustc_demangle::demangle(symbol)).replace(['<', '>'], "")
 }
 

@@ -11,7 +11,7 @@ use crate::{
     equipment::{Equipment, Need},
     exchange,
     firmware::{self, Image},
-    kernel, no_panic, schedule, site, supply, verify, web, wheel,
+    kernel, no_panic, rounding, schedule, site, supply, verify, web, wheel,
     workspace::Workspace,
 };
 
@@ -51,6 +51,8 @@ pub(crate) enum Step {
     HostTests,
     /// Verify every coordinate against the strict solver, with the camera in this process
     Verify,
+    /// Prove the bounds of the rounding with Gappa
+    Rounding,
     /// Let `OpenCV` and COLMAP read exported cameras and project points
     Exchange,
     /// Build the wheel for Python, and test it with `NumPy`, Polars, `DuckDB` and Dask
@@ -104,6 +106,7 @@ impl Step {
             | Self::Supply
             | Self::HostTests
             | Self::Verify
+            | Self::Rounding
             | Self::Exchange
             | Self::Python
             | Self::Web => &[],
@@ -178,6 +181,7 @@ fn run_step(step: Step, workspace: &Workspace, equipment: &Equipment<'_>) -> Res
             let verify = host_sim.args(["verify", "--device", "sil", "--out"]);
             verify.arg(verify::default_out(workspace))
         }
+        Step::Rounding => return rounding::check(workspace, equipment.toolbox()),
         Step::Exchange => return exchange::check(workspace, equipment.toolbox()),
         Step::Python => return wheel::check(workspace, equipment.toolbox()),
         // The lints run in release, so that the core library is built once for lints, library and

@@ -8,7 +8,7 @@ use xshell::Cmd;
 use crate::{
     checks::TESTED,
     emulator::Emulator,
-    no_panic,
+    no_panic, stack,
     target::{Lints, Target},
     tools::Toolbox,
     workspace::Workspace,
@@ -142,13 +142,16 @@ pub(crate) fn check_no_panic(target: &Target<'_>) -> Result<()> {
     no_panic::prove("the firmware", link)
 }
 
-/// Builds the images and runs the tests of `host-sim` that need them.
+/// Builds the images, bounds their stack, and runs the tests of `host-sim` that need them.
 ///
 /// # Errors
-/// An error if a build or a test fails.
+/// An error if a build or a test fails, or the stack of an image has no bound.
 pub(crate) fn test(workspace: &Workspace, target: &Target<'_>, emulator: &Emulator) -> Result<()> {
     let flight = build(workspace, target, Image::Mps2)?;
     let with_drills = build(workspace, target, Image::Mps2WithDrills)?;
+    for image in [&flight, &with_drills] {
+        stack::check(&workspace.root, image)?;
+    }
     // All packages are built, because their features together determine those of the dependencies.
     let test = format!("test {TESTED} --locked --test main -- firmware:: --ignored");
     let test = workspace

@@ -111,7 +111,8 @@ fn remedy(tool: Tool, system: &System) -> String {
             | Tool::ArmGcc
             | Tool::Cmake
             | Tool::Cppcheck
-            | Tool::Browser => {}
+            | Tool::Browser
+            | Tool::Gappa => {}
         }
     }
     // A Rust that is not a distribution's comes with everything that a target needs.
@@ -126,7 +127,8 @@ fn remedy(tool: Tool, system: &System) -> String {
             | Tool::Aarch64
             | Tool::ArmGcc
             | Tool::Cmake
-            | Tool::Cppcheck,
+            | Tool::Cppcheck
+            | Tool::Gappa,
         ) => {
             format!("sudo apt-get install {}", tool.packages().join(" "))
         }
@@ -139,6 +141,11 @@ fn remedy(tool: Tool, system: &System) -> String {
         }
         (Family::Fedora | Family::MacOs | Family::Windows | Family::Other, Tool::Aarch64) => {
             "run it on Debian, Ubuntu or Arch, or on a 64-bit Arm".to_owned()
+        }
+        (Family::Fedora, Tool::Gappa) => "sudo dnf install gappa".to_owned(),
+        (Family::MacOs, Tool::Gappa) => "brew install gappa".to_owned(),
+        (Family::Arch | Family::Windows | Family::Other, Tool::Gappa) => {
+            "put gappa on the search path".to_owned()
         }
         (Family::Fedora, Tool::Qemu) => "sudo dnf install qemu-system-arm".to_owned(),
         (Family::Fedora, Tool::Llvm) => "sudo dnf install llvm".to_owned(),

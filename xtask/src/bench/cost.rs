@@ -25,8 +25,10 @@ pub(crate) struct Footprint {
     pub(crate) flash_bytes: u64,
     /// Bytes of variables, without the stack.
     pub(crate) static_ram_bytes: u64,
-    /// Largest stack in use while `host-sim verify` ran.
+    /// Largest stack in use while `host-sim` verified a camera and flew a mission.
     pub(crate) stack_used_bytes: u64,
+    /// Bound of the stack, from the code ([`crate::stack`]); not every image has one.
+    pub(crate) stack_bound_bytes: Option<u64>,
     pub(crate) compiler: String,
 }
 
@@ -104,19 +106,23 @@ impl Cost for Footprint {
 
     fn amounts(&self) -> Vec<Amount<'_>> {
         [
-            ("flash_bytes", self.flash_bytes),
-            ("static_ram_bytes", self.static_ram_bytes),
-            ("stack_used_bytes", self.stack_used_bytes),
+            ("flash_bytes", Some(self.flash_bytes)),
+            ("static_ram_bytes", Some(self.static_ram_bytes)),
+            ("stack_used_bytes", Some(self.stack_used_bytes)),
+            ("stack_bound_bytes", self.stack_bound_bytes),
         ]
-        .map(|(cost, bytes)| Amount {
-            table: Self::TABLE,
-            compiler: &self.compiler,
-            on: &self.image,
-            cost,
-            count: count(bytes),
-            unit: "bytes".to_owned(),
+        .into_iter()
+        .filter_map(|(cost, bytes)| {
+            Some(Amount {
+                table: Self::TABLE,
+                compiler: &self.compiler,
+                on: &self.image,
+                cost,
+                count: count(bytes?),
+                unit: "bytes".to_owned(),
+            })
         })
-        .to_vec()
+        .collect()
     }
 }
 

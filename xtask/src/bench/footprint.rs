@@ -10,6 +10,7 @@ use super::cost::Footprint;
 use crate::{
     emulator::Emulator,
     firmware::{self, Image},
+    stack::StackBound,
     target::Target,
     verify,
     workspace::Workspace,
@@ -44,7 +45,7 @@ fn sizes(image: &Path) -> Result<(u64, u64)> {
 const EXPOSURES: &str = "20";
 
 /// Measures the sizes of the flight image, and its stack during a mission and during the
-/// verification of one camera: the larger of the two.
+/// verification of one camera: the larger of the two, which is compared with the bound.
 pub(super) fn footprint(
     workspace: &Workspace,
     target: &Target<'_>,
@@ -78,11 +79,14 @@ pub(super) fn footprint(
             .with_context(|| format!("summary.json of {arguments:?}"))?;
         stack_used_bytes = link.stack_used_bytes.max(stack_used_bytes);
     }
+    let bound = StackBound::of(&workspace.root, &image)?;
+    bound.check_used(stack_used_bytes)?;
     Ok(Footprint {
         image: Image::Mps2.to_string(),
         flash_bytes,
         static_ram_bytes,
         stack_used_bytes,
+        stack_bound_bytes: Some(bound.bytes().into()),
         compiler: target.compiler()?,
     })
 }

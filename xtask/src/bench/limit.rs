@@ -299,6 +299,7 @@ mod tests {
             flash_bytes: 100,
             static_ram_bytes: 11,
             stack_used_bytes: 12,
+            stack_bound_bytes: Some(13),
             compiler: String::new(),
         };
         let limits = [
@@ -307,11 +308,12 @@ mod tests {
         ];
         let findings = held(&limits, &image.amounts());
         let texts: Vec<_> = findings.iter().map(ToString::to_string).collect();
-        let [over, without] = [
+        let [over, without, bound] = [
             "static_ram_bytes on mps2: 11 bytes, the limit is 10 for every compiler",
             "stack_used_bytes on mps2: it has no limit; set one by hand in docs/limits.csv, such as `mps2,stack_used_bytes,15,margin`",
+            "stack_bound_bytes on mps2: it has no limit; set one by hand in docs/limits.csv, such as `mps2,stack_bound_bytes,17,margin`",
         ];
-        assert_eq!(texts, [over, without]);
+        assert_eq!(texts, [over, without, bound]);
     }
 
     /// A larger count goes into the table, and still exceeds its limit.

@@ -30,8 +30,8 @@ use crate::{
     tools::Toolbox,
     workspace::Workspace,
 };
-pub(crate) use cost::Footprint;
 use cost::{Cost, Instructions, amounts};
+pub(crate) use cost::{Footprint, read as read_table};
 use llvm::Llvm;
 
 /// File names of the comparison and of its figure.

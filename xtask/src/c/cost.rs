@@ -130,6 +130,7 @@ pub(super) fn measure(
             flash_bytes,
             static_ram_bytes,
             stack_used_bytes,
+            stack_bound_bytes: None,
             compiler: target.compiler()?,
         },
         over_bare: over_bare.context("no call was counted")?,

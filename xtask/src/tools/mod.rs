@@ -58,6 +58,8 @@ pub(crate) enum Tool {
     Cppcheck,
     /// Chromium without a window, and letters for its pictures.
     Browser,
+    /// Gappa, which proves bounds of rounding.
+    Gappa,
 }
 
 impl Tool {
@@ -75,6 +77,7 @@ impl Tool {
             Self::Cmake => "cmake",
             Self::Cppcheck => "cppcheck",
             Self::Browser => "browser",
+            Self::Gappa => "gappa",
         }
     }
 
@@ -96,6 +99,7 @@ impl Tool {
             Self::Cmake => &["cmake"],
             Self::Cppcheck => &["cppcheck"],
             Self::Browser => &["chromium-headless-shell", "fonts-dejavu-core"],
+            Self::Gappa => &["gappa"],
         }
     }
 
@@ -114,6 +118,7 @@ impl Tool {
             Self::Cmake => &["cmake"],
             Self::Cppcheck => &["cppcheck"],
             Self::Browser => &["chromium-headless-shell"],
+            Self::Gappa => &["gappa"],
         }
     }
 
@@ -139,7 +144,8 @@ impl Tool {
             | Self::ArmGcc
             | Self::Cmake
             | Self::Cppcheck
-            | Self::Browser => None,
+            | Self::Browser
+            | Self::Gappa => None,
         }
     }
 
@@ -172,6 +178,7 @@ impl fmt::Display for Tool {
             Self::Cmake => "CMake",
             Self::Cppcheck => "checker of C sources",
             Self::Browser => "browser",
+            Self::Gappa => "Gappa",
         })
     }
 }

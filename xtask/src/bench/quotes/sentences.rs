@@ -8,6 +8,8 @@ use super::super::{
     limit::{self, LIMITS, Limit},
     load,
 };
+use crate::stack::{EXCEPTION_FRAME_BYTES, TIGHT};
+
 use super::{CHANGELOG, CONTROL_LOOP, PERFORMANCE, README, ROWS};
 
 const MESH: &str = "src/geometry/mesh.rs";
@@ -35,6 +37,7 @@ pub(super) fn quotes() -> Vec<Quote> {
         .chain(of(PERFORMANCE, points()))
         .chain(of(PERFORMANCE, frames_and_rows()))
         .chain(of(PERFORMANCE, limits()))
+        .chain(of(PERFORMANCE, stack()))
         .chain(of(PERFORMANCE, times()))
         .chain(of(CONTROL_LOOP, control_loop()))
         .chain(of_sources())
@@ -186,6 +189,14 @@ fn limits() -> Vec<String> {
             "more than {:.0} % above the dearest count",
             100.0 * (limit::LOOSEST - 1.0)
         ),
+    ]
+}
+
+/// Returns the quotes about the stack.
+fn stack() -> Vec<String> {
+    vec![
+        format!("and {EXCEPTION_FRAME_BYTES} bytes for each"),
+        format!("At least {TIGHT} of it has to have been used"),
     ]
 }
 

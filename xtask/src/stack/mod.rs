@@ -1,0 +1,155 @@
+//! Bound of the stack of an image, from the code that is run.
+//!
+//! The deepest path of the main loop, and every handler on top of it: more than can happen, since
+//! no interrupt of these images has a priority over another one. Nothing is run, so that no
+//! request, setting or moment can go deeper. What is measured in QEMU is compared with it
+//! ([`crate::bench`]).
+
+mod addresses;
+mod function;
+mod image;
+mod instruction;
+mod path;
+mod pointers;
+#[cfg(test)]
+mod specimen;
+
+use std::{fmt, fs, path::Path};
+
+use anyhow::{Context as _, Result, ensure};
+
+use image::Code;
+use path::{Paths, Station};
+use pointers::{LIST, PointerCalls};
+
+/// Bytes that the processor puts on the stack before a handler: 26 registers, with those of the
+/// floating-point unit (ARM DDI 0403, B1.5.6), and one word that aligns them.
+pub(crate) const EXCEPTION_FRAME_BYTES: u32 = 4 * (26 + 1);
+
+/// Least part of the memory for the stack that the bound leaves free.
+const MARGIN: f64 = 0.25;
+
+/// Least ratio of the stack that was used to the bound: a looser bound tells little.
+pub(crate) const TIGHT: f64 = 0.9;
+
+/// Bound of the stack of an image.
+#[derive(Debug)]
+pub(crate) struct StackBound {
+    /// Deepest path of the main loop, from the reset on.
+    main: Vec<Station>,
+    /// Handlers with the depth of each.
+    handlers: Vec<Station>,
+    /// Bytes of memory for the stack.
+    room: u32,
+}
+
+impl StackBound {
+    /// Bounds the stack of an image.
+    ///
+    /// # Errors
+    /// An error that names the function if the size of its stack is not constant, if it calls by a
+    /// pointer without a listed target, or if functions call each other in a circle.
+    pub(crate) fn of(root: &Path, image: &Path) -> Result<Self> {
+        let elf = fs::read(image).with_context(|| image.display().to_string())?;
+        let bound = || {
+            let code = Code::read(&elf)?;
+            Self::of_code(&code, &PointerCalls::read(root)?)
+        };
+        bound().with_context(|| format!("stack of {}", image.display()))
+    }
+
+    fn of_code(code: &Code, pointers: &PointerCalls) -> Result<Self> {
+        let mut paths = Paths::new(code, pointers);
+        let reset = code.reset().context("no vector of the reset")?;
+        paths.deepest(reset)?;
+        let mut handlers = Vec::new();
+        for handler in code.handlers() {
+            let bytes = paths.deepest(handler)? + EXCEPTION_FRAME_BYTES;
+            let name = paths.name(handler).to_owned();
+            handlers.push(Station { name, bytes });
+        }
+        let unlisted: Vec<_> = addresses::kept(code)
+            .into_iter()
+            .filter(|address| *address != reset && !code.handlers().contains(address))
+            .map(|address| paths.name(address))
+            .filter(|name| !pointers.are_to(name))
+            .collect();
+        ensure!(
+            unlisted.is_empty(),
+            "the image has the addresses of functions that {LIST} does not list as targets:\n    {}",
+            unlisted.join("\n    ")
+        );
+        Ok(Self {
+            main: paths.stations(reset),
+            handlers,
+            room: code.room(),
+        })
+    }
+
+    /// Returns the bytes of the main loop and of every handler on top.
+    pub(crate) fn bytes(&self) -> u32 {
+        let stations = self.main.iter().chain(&self.handlers);
+        stations.map(|station| station.bytes).sum()
+    }
+
+    /// Checks that the memory for the stack is large enough, with a margin.
+    fn check_room(&self) -> Result<()> {
+        let most = (1.0 - MARGIN) * f64::from(self.room);
+        ensure!(
+            f64::from(self.bytes()) <= most,
+            "the stack may be {} bytes deep, more than {most:.0} of its {} bytes of memory:\n{self}",
+            self.bytes(),
+            self.room
+        );
+        Ok(())
+    }
+
+    /// Compares the bound with the stack that was used.
+    ///
+    /// # Errors
+    /// An error if more was used than the bound, or much less.
+    pub(crate) fn check_used(&self, used: u64) -> Result<()> {
+        let bound = u64::from(self.bytes());
+        ensure!(
+            used <= bound,
+            "{used} bytes of stack were used, more than the bound:\n{self}"
+        );
+        // Of numbers below 2^32 the products are exact.
+        let least = TIGHT * f64::from(self.bytes());
+        ensure!(
+            u32::try_from(used).is_ok_and(|used| f64::from(used) >= least),
+            "{used} bytes of stack were used, less than {least:.0}: \
+            either the deepest request was not made, or the bound is loose:\n{self}"
+        );
+        Ok(())
+    }
+}
+
+impl fmt::Display for StackBound {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for Station { name, bytes } in &self.main {
+            writeln!(f, "    {bytes:6} {name}")?;
+        }
+        for Station { name, bytes } in &self.handlers {
+            writeln!(f, "    {bytes:6} {name} on top")?;
+        }
+        write!(f, "    {:6} of {} bytes", self.bytes(), self.room)
+    }
+}
+
+/// Bounds the stack of an image, and shows that the bound depends on the list of pointers.
+///
+/// # Errors
+/// As [`StackBound::of`], or an error if the stack may leave its memory with less than a quarter of
+/// it to spare.
+pub(crate) fn check(root: &Path, image: &Path) -> Result<StackBound> {
+    let bound = StackBound::of(root, image)?;
+    eprintln!("stack of {}:\n{bound}", image.display());
+    bound.check_room()?;
+    let elf = fs::read(image).with_context(|| image.display().to_string())?;
+    ensure!(
+        StackBound::of_code(&Code::read(&elf)?, &PointerCalls::NONE).is_err(),
+        "the stack has a bound without {LIST}, although the image calls by pointers: the check is blind"
+    );
+    Ok(bound)
+}

@@ -1,0 +1,110 @@
+//! Machine code of small functions, and what the check says of it.
+
+use std::{fs, path::Path};
+
+use super::{StackBound, image::Code, pointers::PointerCalls};
+
+/// Start of the first function; the others follow every 32 bytes.
+const START: u32 = 0x100;
+
+/// Returns the bound of code whose first function is that of the reset, or why there is none.
+fn bound(functions: &[&[u16]]) -> Result<u32, String> {
+    let code = Code::of_functions(START, 32, functions);
+    let bound = StackBound::of_code(&code, &PointerCalls::NONE);
+    bound
+        .map(|bound| bound.bytes())
+        .map_err(|error| format!("{error:#}"))
+}
+
+#[test]
+fn depth_is_that_of_the_deepest_call() {
+    // push {r4, lr}; sub sp, #8; bl +32; add sp, #8; bl +64; pop {r4, pc}
+    let first = [
+        0xb510, 0xb082, 0xf000, 0xf80c, 0xb002, 0xf000, 0xf819, 0xbd10,
+    ];
+    let [eight, thirty_two] = [[0xb082, 0xb002, 0x4770], [0xb088, 0xb008, 0x4770]];
+    assert_eq!(bound(&[&first, &eight, &thirty_two]), Ok(8 + 32));
+    assert_eq!(bound(&[&first, &thirty_two, &eight]), Ok(8 + 8 + 32));
+}
+
+#[test]
+fn recursion_has_no_bound() {
+    // push {r7, lr}; bl -6; pop {r7, pc}
+    let error = bound(&[&[0xb580, 0xf7ff, 0xfffd, 0xbd80]]).unwrap_err();
+    assert!(error.contains("circle"), "{error}");
+    assert!(error.contains("f0\n    f0"), "{error}");
+}
+
+#[test]
+fn pointer_without_a_listed_target_has_no_bound() {
+    // push {r7, lr}; blx r0; pop {r7, pc}
+    let error = bound(&[&[0xb580, 0x4780, 0xbd80]]).unwrap_err();
+    assert!(error.contains("f0 calls by a pointer"), "{error}");
+    // The address of the second function, taken by movw r0, #0x121.
+    let error = bound(&[&[0xf240, 0x1021, 0x4770], &[0x4770]]).unwrap_err();
+    assert!(
+        error.contains("does not list as targets:\n    f1"),
+        "{error}"
+    );
+}
+
+#[test]
+fn stack_of_a_size_known_at_run_time_has_no_bound() {
+    // sub.w sp, sp, r0; bx lr
+    let error = bound(&[&[0xebad, 0x0d00, 0x4770]]).unwrap_err();
+    assert_eq!(error, "f0: at 0x100: the size of the stack is not constant");
+}
+
+#[test]
+fn stack_that_grows_in_a_loop_or_is_left_behind_has_no_bound() {
+    // push {r4}; cbz r0, -: back by b
+    let error = bound(&[&[0xb410, 0xe7fd]]).unwrap_err();
+    assert!(
+        error.contains("0 bytes deep by one path and 4 by another"),
+        "{error}"
+    );
+    // push {r4}; bx lr
+    let error = bound(&[&[0xb410, 0x4770]]).unwrap_err();
+    assert!(error.contains("it returns with 4 bytes"), "{error}");
+}
+
+#[test]
+fn both_paths_of_a_condition_are_followed() {
+    // cmp r0, #0; it eq; bxeq lr; sub sp, #16; add sp, #16; bx lr
+    let code = [0x2800, 0xbf08, 0x4770, 0xb084, 0xb004, 0x4770];
+    assert_eq!(bound(&[&code]), Ok(16));
+}
+
+#[test]
+fn more_stack_than_the_bound_or_much_less_is_an_error() {
+    let code = Code::of_functions(START, 32, &[&[0xb0a8, 0xb028, 0x4770]]);
+    let bound = StackBound::of_code(&code, &PointerCalls::NONE).unwrap();
+    assert_eq!(bound.bytes(), 160);
+    assert!(bound.check_used(160).is_ok());
+    assert!(bound.check_used(144).is_ok());
+    assert!(bound.check_used(164).is_err());
+    assert!(bound.check_used(140).is_err());
+    // The memory is 212 bytes, of which a quarter has to be free.
+    assert!(bound.check_room().is_err());
+}
+
+/// Otherwise a handler could come on top of itself, by another vector.
+#[test]
+fn no_source_of_the_firmware_sets_a_priority() {
+    let mut open = vec![Path::new(env!("CARGO_MANIFEST_DIR")).join("../src/bin/firmware")];
+    let mut sources = 0;
+    while let Some(path) = open.pop() {
+        if path.is_dir() {
+            open.extend(
+                fs::read_dir(path)
+                    .unwrap()
+                    .map(|entry| entry.unwrap().path()),
+            );
+        } else {
+            let text = fs::read_to_string(&path).unwrap();
+            assert!(!text.contains("set_priority"), "{}", path.display());
+            sources += 1;
+        }
+    }
+    assert!(sources > 20);
+}
