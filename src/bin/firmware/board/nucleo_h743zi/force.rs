@@ -24,9 +24,9 @@ const ENABLE: usize = 2;
 /// Break input of TIM1 that all sources lead to.
 const BREAK: usize = 0;
 
-/// SYSCFG_CFGR of the manual RM0433, which the crate leaves out: offset, and the bits that lead the
-/// monitor of the supply and a lock-up of the processor to the break of the timers. They stay until
-/// a reset.
+/// `SYSCFG_CFGR` of the manual RM0433, which the crate leaves out: offset, and the bits that lead
+/// the monitor of the supply and a lock-up of the processor to the break of the timers. They stay
+/// until a reset.
 const SYSCFG_CFGR: usize = 0x18;
 const PVDL: u32 = 1 << 2;
 const CM7L: u32 = 1 << 6;

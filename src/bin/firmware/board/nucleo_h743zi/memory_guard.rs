@@ -17,7 +17,7 @@ const FLASH: u32 = 1 << 17;
 const MEMORY: u32 = 1 << 19 | 1 << 17 | 1 << 16;
 
 /// Eighths of the address space that stay as they are: memories and peripherals of the chip below
-/// 0x6000_0000, and the processor's own registers above 0xE000_0000.
+/// `0x6000_0000`, and the processor's own registers above `0xE000_0000`.
 const CHIP: u32 = 0b1000_0111 << 8;
 
 /// Bytes of the guard below the stack, as `memory.x` leaves them.
