@@ -1,10 +1,15 @@
 //! The camera's time by a counter of microseconds that runs fast or slow, at the rate that time
 //! pulses give.
 
+use super::clock_drift::ClockDrift;
 use super::time::{Clock, Time};
 
 /// Largest error of the counter's rate that time pulses correct, ppm: that of an RC oscillator.
 pub const WORST_RATE_PPM: f32 = 10_000.0;
+
+/// Largest error of the counter's rate that is [told](DisciplinedClock::drift), ppm: an interval
+/// that is farther from a second is none between two time pulses.
+pub const WORST_TOLD_PPM: f32 = 50_000.0;
 
 /// Number of intervals in a row, each of a second, that must agree before they give a rate.
 pub const CONSISTENT_INTERVALS: u8 = 3;
@@ -74,6 +79,8 @@ pub struct DisciplinedClock {
     corrected_us: i64,
     corrected_parts: i64,
     pulse: Option<Pulses>,
+    /// Error of the counter's rate by the last interval of about a second, ppm.
+    told_ppm: Option<f32>,
 }
 
 /// Pulses in a row that agree.
@@ -102,6 +109,7 @@ impl DisciplinedClock {
             corrected_us: 0,
             corrected_parts: 0,
             pulse: None,
+            told_ppm: None,
         }
     }
 
@@ -118,6 +126,20 @@ impl DisciplinedClock {
     #[must_use]
     pub const fn rate_ppm(&self) -> f32 {
         self.rate_ppm
+    }
+
+    /// Returns the drift of the counter by the last interval between two time pulses, also one that
+    /// is beyond [`WORST_RATE_PPM`] and not corrected; `None` before the first, or if none was
+    /// within [`WORST_TOLD_PPM`] of a second.
+    #[must_use]
+    pub const fn drift(&self) -> Option<ClockDrift> {
+        match self.told_ppm {
+            Some(drift_ppm) => Some(ClockDrift {
+                drift_ppm,
+                corrected_ppm: self.rate_ppm,
+            }),
+            None => None,
+        }
     }
 
     /// Returns the time at which the counter shows a camera time, within half an hour of the last
@@ -139,6 +161,11 @@ impl DisciplinedClock {
     /// Takes the stamp of a time pulse.
     pub fn pulse(&mut self, counter_us: u32) {
         let time = self.counter.extend(counter_us);
+        let told_ppm = self
+            .pulse
+            .map(|pulses| rate_ppm(pulses.last, time, 1))
+            .filter(|ppm| libm::fabsf(*ppm) <= WORST_TOLD_PPM);
+        self.told_ppm = told_ppm.or(self.told_ppm);
         let agreeing = self.pulse.and_then(|pulses| pulses.with(time));
         let pulses = agreeing.unwrap_or(match self.pulse {
             // The last interval may be the first of others that agree.
@@ -239,10 +266,15 @@ impl Pulses {
 /// Returns the error of the rate by an interval of so many seconds, ppm; `None` if it is beyond
 /// [`WORST_RATE_PPM`].
 fn interval_ppm(from: Time, to: Time, seconds: u8) -> Option<f32> {
+    let ppm = rate_ppm(from, to, seconds);
+    (libm::fabsf(ppm) <= WORST_RATE_PPM).then_some(ppm)
+}
+
+/// Returns the error of the rate by an interval of so many seconds, ppm.
+fn rate_ppm(from: Time, to: Time, seconds: u8) -> f32 {
     let elapsed = Time::from_us(to.us_since(from));
     let whole = Time::from_us(u64::from(seconds) * US_PER_S);
-    let ppm = 1e6 * elapsed.seconds_since(whole) / f32::from(seconds);
-    (libm::fabsf(ppm) <= WORST_RATE_PPM).then_some(ppm)
+    1e6 * elapsed.seconds_since(whole) / f32::from(seconds)
 }
 
 /// Returns a time moved by a number of microseconds.
@@ -291,6 +323,31 @@ mod tests {
                 "{ppm} after two intervals"
             );
         }
+    }
+
+    #[test]
+    fn drift_is_told_up_to_five_percent_and_corrected_up_to_one() {
+        let mut none = DisciplinedClock::new();
+        none.pulse(0);
+        assert_eq!(none.drift(), None, "one pulse");
+        for ppm in [-49_990, -12_000, -4600, 0, 4600, 9990, 12_000, 49_990] {
+            let told = after(5, ppm).drift().unwrap();
+            let drift_ppm = 10.0 * f32::from(i16::try_from(ppm / 10).unwrap());
+            assert!((told.drift_ppm - drift_ppm).abs() < 2.0, "{told:?}");
+            let corrected_ppm = if (101..=9990).contains(&ppm.abs()) {
+                told.drift_ppm
+            } else {
+                0.0
+            };
+            assert!((told.corrected_ppm - corrected_ppm).abs() < 2.0, "{told:?}");
+        }
+        assert_eq!(after(5, 51_000).drift(), None);
+        // A pulse that is missing, or one that belongs to no second, leaves the last drift.
+        let mut clock = after(5, 4600);
+        let before = clock.drift();
+        clock.pulse(counter(7_300_000, 4600));
+        clock.pulse(counter(7_900_000, 4600));
+        assert_eq!(clock.drift(), before);
     }
 
     #[test]

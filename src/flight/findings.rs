@@ -8,6 +8,17 @@ const KINDS: usize = Flag::ALL.len() - FIRST;
 /// First flag of an instrument.
 const FIRST: usize = Flag::VhNotANumber as usize;
 
+/// The last finding of an instrument of the aircraft.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct LastFinding {
+    /// Its flag.
+    pub flag: Flag,
+    /// Time since then, s.
+    pub age_s: f32,
+}
+
 /// Counts of the findings of the aircraft's instruments, by their flags; a count that is full stays
 /// so.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

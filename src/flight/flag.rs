@@ -9,6 +9,7 @@ use super::vh::{VhFindingKind, WrongUnit};
 /// their source.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Flag {
     /// The stage stood still: no compensation.
     NoCompensation,

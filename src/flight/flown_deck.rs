@@ -5,6 +5,7 @@ use core::fmt;
 use super::camera::Camera;
 use super::camera_slot::CameraSlot;
 pub use super::camera_slot::NotFlyable;
+use super::clock_drift::ClockDrift;
 use super::control_loop::{self, RoundActions};
 use super::controller::state::State;
 use super::controller::{Controller, Start};
@@ -12,6 +13,7 @@ use super::drive::flown_drive::FlownDrive;
 use super::event::{Command, Event, Supply};
 use super::event_queue::EventQueue;
 use super::input_levels::InputLevels;
+use super::input_settings::InputSettings;
 use super::settings::FlightSettings;
 use super::time::Time;
 
@@ -36,6 +38,10 @@ pub struct FlownDeck<Drive> {
     /// Position of the stage in the last round.
     offset_mm: Option<f32>,
     now: Time,
+    /// Drift of the board's clock, by the board.
+    clock_drift: Option<ClockDrift>,
+    /// Settings of the board's lines that it has not taken yet.
+    inputs: Option<InputSettings>,
     has_row_clock: bool,
 }
 
@@ -53,6 +59,8 @@ impl<Drive: FlownDrive> FlownDeck<Drive> {
             seen: InputLevels::GOOD,
             offset_mm: None,
             now: Time::START,
+            clock_drift: None,
+            inputs: None,
             has_row_clock: false,
         }
     }
@@ -79,6 +87,12 @@ impl<Drive: FlownDrive> FlownDeck<Drive> {
         if self.controller().is_some() {
             self.events.push(time, event);
         }
+    }
+
+    /// Takes the drift of the clock by which the board stamps, from which the time it sets is
+    /// corrected already.
+    pub const fn note_clock(&mut self, drift: Option<ClockDrift>) {
+        self.clock_drift = drift;
     }
 
     /// Counts edges that were lost before they could be handed over.
@@ -197,7 +211,15 @@ impl<Drive: FlownDrive> FlownDeck<Drive> {
             .prepare(settings, |settings| drive.set_settings(settings))?;
         self.events.clear();
         self.known = InputLevels::GOOD;
+        self.inputs = Some(settings.inputs);
         Ok(())
+    }
+
+    /// Returns the settings of the board's lines after each [`Self::prepare`], once: the board
+    /// takes them over before the next round.
+    #[must_use]
+    pub const fn take_inputs(&mut self) -> Option<InputSettings> {
+        self.inputs.take()
     }
 
     /// The camera's controller; `None` before it is prepared.
@@ -209,6 +231,12 @@ impl<Drive: FlownDrive> FlownDeck<Drive> {
     /// The camera's controller, for the acknowledgement of records.
     pub fn controller_mut(&mut self) -> Option<&mut Controller> {
         self.camera.controller_mut()
+    }
+
+    /// Drift of the board's clock; `None` before it is [noted](Self::note_clock).
+    #[must_use]
+    pub const fn clock_drift(&self) -> Option<ClockDrift> {
+        self.clock_drift
     }
 
     /// Position of the stage in the last round, mm along the FMC axis from the encoder's zero;

@@ -4,6 +4,7 @@ use super::controller::timing::TICK_S;
 use super::drive::settings::DriveSettings;
 use super::exposure::FlightDirection;
 use super::index_watch::IndexSides;
+use super::input_settings::InputSettings;
 use super::stage_tolerance::StageTolerance;
 use super::vh::settings::VhSettings;
 use crate::geometry::range::{OutOfRange, Quantity};
@@ -76,6 +77,8 @@ pub struct FlightSettings {
     pub vh: VhSettings,
     /// Motor, encoder and velocity loop.
     pub drive: DriveSettings,
+    /// Lines that lead into the board.
+    pub inputs: InputSettings,
 }
 
 impl FlightSettings {
@@ -106,6 +109,7 @@ impl FlightSettings {
         Ok(Self {
             vh: self.vh.checked()?,
             drive: self.drive.checked()?,
+            inputs: self.inputs.checked()?,
             ..self
         })
     }
@@ -186,6 +190,7 @@ impl Default for FlightSettings {
             rate_sigma_deg_s: 0.02,
             vh: VhSettings::default(),
             drive: DriveSettings::default(),
+            inputs: InputSettings::default(),
         }
     }
 }

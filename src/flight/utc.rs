@@ -184,6 +184,17 @@ impl UtcClock {
         })
     }
 
+    /// Returns the drift of the clock by the pulses, ppm, positive if it runs fast; `None` before
+    /// the second of two pulses that are whole seconds apart.
+    #[must_use]
+    pub const fn drift_ppm(&self) -> Option<f32> {
+        if self.drifts == 0 {
+            None
+        } else {
+            Some(self.drift_ppm)
+        }
+    }
+
     /// Returns `true` if seconds have stepped, and if pulses have moved, so that σ covers it.
     #[must_use]
     pub fn has_stepped(&self) -> [bool; 2] {

@@ -150,6 +150,8 @@ quantities! {
     RateSigmaDegS = "rate_sigma_deg_s", 0.0, 60.0;
     IndexMm = "index_mm", -50.0, 50.0;
     IndexSigmaUm = "index_sigma_um", 0.0, 1000.0;
+    ShortestPulseNs = "shortest_pulse_ns", 0.0, 100_000.0;
+    ShortestTrackNs = "shortest_track_ns", 0.0, 100_000.0;
 }
 
 impl Quantity {

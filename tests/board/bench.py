@@ -9,6 +9,8 @@ import datetime
 import math
 from collections import deque
 
+from processor import CYCLES_PER_US
+
 # Longest step of the integration, s.
 STEP_S = 50e-6
 # Steps that are remembered: more than an exposure.
@@ -102,6 +104,8 @@ class Bench:
         self.phase = phase
         self.stage = Stage(position_mm)
         self.is_enabled = self.is_open = False
+        # Signed duty of the pulses, whatever the enable is.
+        self.duty = 0.0
         self.light_since = None
         # What happened, for the tests.
         self.frames = []
@@ -138,6 +142,7 @@ class Bench:
 
     def drive(self, time, duty, is_enabled, is_open):
         self._advance(time)
+        self.duty = duty
         self.stage.duty = duty if is_enabled else 0.0
         if is_enabled != self.is_enabled:
             self.is_enabled = is_enabled
@@ -169,8 +174,11 @@ class Bench:
     # Inputs of the chip.
 
     def trigger(self, time, width_ns=1000.0):
+        """Gives a pulse: its rising edge at a time, its falling edge after its width."""
         self.triggers.append(time)
         self.processor.at(time, lambda: self.chip.edge("PA0", time, width_ns))
+        end = time + round(1e-3 * width_ns * CYCLES_PER_US)
+        self.processor.at(end, lambda: self.chip.edge("PA0", end, width_ns, is_falling=True))
 
     def start_pulses(self):
         """Lets the receiver give time pulses, and the sentence that names each, 0.15 s later."""

@@ -8,14 +8,18 @@ is written to it.
 from collections import deque
 
 from processor import CYCLES_PER_US
-from timers import ARR, BDTR, CCER, CCR1, CR1, ENABLED, MAIN_OUTPUT, EncoderTimer, Timer
+from timers import ARR, CCER, CCR1, CR1, ENABLED, EncoderTimer, MotorTimer, Timer
 
 TIM1, TIM2, TIM4, TIM5 = 0x4001_0000, 0x4000_0000, 0x4000_0800, 0x4000_0C00
 USART2, USART3, UART7 = 0x4000_4400, 0x4000_4800, 0x4000_7800
 GPIO, PORTS = 0x5802_0000, "ABCDEFGHIJK"
 RCC, PWR, IWDG = 0x5802_4400, 0x5802_4800, 0x5800_4800
 RCC_CR, RCC_CFGR, RCC_RSR, RCC_CSR, RCC_BDCR = (RCC + at for at in (0, 0x10, 0xD0, 0x74, 0x70))
-RCC_PLLCKSELR = RCC + 0x28
+RCC_PLLCKSELR, RCC_CIFR, RCC_CICR = RCC + 0x28, RCC + 0x64, RCC + 0x68
+# Clock security of the external clock: switch, flag, and flags of oscillator and PLL.
+CLOCK_WATCHED, CLOCK_FAILED, EXTERNAL_READY, PLL_READY = 1 << 19, 1 << 10, 1 << 17, 1 << 25
+# SYSCFG_CFGR leads the supply's monitor and a lock-up to the timers' breaks, until a reset.
+SYSCFG_CFGR, SUPPLY_BREAKS, LOCK_UP_BREAKS = 0x5800_0418, 1 << 2, 1 << 6
 PWR_CR1, PWR_CSR1, PWR_D3CR = PWR, PWR + 4, PWR + 0x18
 
 # Flags of RCC_RSR by cause, RM0433 table 56: the processor's flag and the pin's come with each.
@@ -34,6 +38,7 @@ WATCHDOG_CYCLES = 4096 * 4 * CYCLES_PER_US * 1_000_000 // 32_000
 # Alternate functions by which pins reach peripherals, from the data sheet of the STM32H743.
 FUNCTIONS = {
     "PA0": 1, "PB3": 1, "PB10": 1, "PB11": 1, "PD12": 2, "PD13": 2, "PD14": 2, "PE9": 1,
+    "PE12": 1, "PE15": 1,
     "PD8": 7, "PD9": 7, "PD6": 7, "PE7": 7,
 }  # fmt: skip
 CAPTURES = {"PA0": 0, "PB3": 1, "PB10": 2, "PB11": 3}
@@ -69,6 +74,16 @@ class Pins:
         """Returns the level on a wire: what the chip drives, or low by the resistor outside."""
         port, pin = PORTS.index(name[1]), int(name[2:])
         return bool(self.is_output(name) and self.levels[port] >> pin & 1)
+
+    def pull(self, name):
+        """Returns the resistor inside: 0 none, 1 up, 2 down."""
+        port, pin = PORTS.index(name[1]), int(name[2:])
+        return self.registers.get((port, 0x0C), 0) >> 2 * pin & 3
+
+    def level(self, name):
+        """Returns the level of an input: what is connected, or what the resistor inside makes."""
+        connected = self.inputs.get(name)
+        return self.pull(name) == 1 if connected is None else connected
 
     def read(self, address):
         port, offset = divmod(address - GPIO, 0x400)
@@ -191,12 +206,14 @@ class Chip:
 
     def __init__(self, bench):
         self.bench = bench
-        self.supply_is_low = False
+        self._supply_is_low = False
+        self.clock_has_failed = False
+        self.is_locked_up = False
 
     def connect(self, processor):
         self.processor = processor
         self.pins = Pins(processor, self.outputs_changed)
-        self.motor = Timer(processor, TIM1, bits=16)
+        self.motor = MotorTimer(processor, TIM1, self)
         self.clock = Timer(processor, TIM2)
         self.shutter = Timer(processor, TIM5)
         self.encoder = EncoderTimer(processor, TIM4, self.bench.counts)
@@ -218,14 +235,65 @@ class Chip:
         """Resets every peripheral; flags of earlier resets stay until they are removed."""
         self.registers = {RCC_CR: 0x83, PWR_CSR1: 0x4000}
         self.flags |= RESET_FLAGS[cause]
+        self.is_locked_up = False
         self.fed = None
         self.pins.reset()
         for block in (*self.timers, *self.ports):
             block.reset()
         self.outputs_changed()
 
+    # Protections.
+
     def lock_up(self):
-        """The processor has locked up; nothing on this chip is told of it."""
+        """The processor has locked up."""
+        self.is_locked_up = True
+        self.look_at_breaks()
+
+    @property
+    def supply_is_low(self):
+        return self._supply_is_low
+
+    @supply_is_low.setter
+    def supply_is_low(self, is_low):
+        self._supply_is_low = is_low
+        self.look_at_breaks()
+
+    def sees_low_supply(self):
+        return self._supply_is_low and self.registers.get(PWR_CR1, 0) & 0x10
+
+    def fail_clock(self):
+        """The ST-LINK gives no clock any more. Where that is watched the processor goes on by its
+        own oscillator, which the model lets be as fast."""
+        self.clock_has_failed = True
+        if self.registers[RCC_CR] & CLOCK_WATCHED:
+            self.registers[RCC_CIFR] = self.registers.get(RCC_CIFR, 0) | CLOCK_FAILED
+            self.processor.nmi_pending = True
+            self.look_at_breaks()
+        else:
+            self.processor.stop()
+
+    def breaks(self):
+        """Returns true while a system break is requested."""
+        led = self.registers.get(SYSCFG_CFGR, 0)
+        return bool(
+            led & SUPPLY_BREAKS and self.sees_low_supply()
+            or led & LOCK_UP_BREAKS and self.is_locked_up
+            or self.registers.get(RCC_CIFR, 0) & CLOCK_FAILED
+        )
+
+    def brake_level(self):
+        """Level of the brake: what is connected, or else what the resistor inside makes of it."""
+        return self.pins.level("PE15")
+
+    def look_at_breaks(self):
+        self.motor.look()
+        self.outputs_changed()
+
+    def set_brake(self, level, width_ns=1e9):
+        """Connects the brake to a level, or to nothing."""
+        if width_ns >= self.motor.brake_filter_ns():
+            self.pins.inputs["PE15"] = level
+            self.look_at_breaks()
 
     def lines(self):
         return {number for number, block in self.interrupts if block.line()}
@@ -243,6 +311,10 @@ class Chip:
             case _ if address == RCC_CR:
                 # Each oscillator and PLL is ready as soon as it is on.
                 on = value & 0x1501_1081
+                if self.clock_has_failed:
+                    # The PLL is fed by the clock that has failed, and start-up waits for it.
+                    on &= ~(EXTERNAL_READY | PLL_READY) >> 1
+                    self.processor.poll()
                 return value | 0xC000 | (on & 1) << 2 | (on & 0x80) << 1 | (on & 0x1501_1000) << 1
             case _ if address == RCC_CFGR:
                 return value & ~0x38 | (value & 7) << 3
@@ -251,8 +323,7 @@ class Chip:
             case _ if address in (RCC_CSR, RCC_BDCR):
                 return value | (value & 1) << 1
             case _ if address == PWR_CSR1:
-                is_low = self.supply_is_low and self.registers.get(PWR_CR1, 0) & 0x10
-                return 0xE000 | (0x10 if is_low else 0)
+                return 0xE000 | (0x10 if self.sees_low_supply() else 0)
             case _ if address == PWR_D3CR:
                 return value | 0x2000
         return value
@@ -276,6 +347,13 @@ class Chip:
                     kept |= 3 | 0x3F << 4 + 8 * pll
             before = self.registers.get(address, 0)
             self.registers[address] = before & kept | value & ~kept
+        elif address == RCC_CICR:
+            cleared = self.registers.get(RCC_CIFR, 0) & ~value
+            self.registers[RCC_CIFR] = cleared
+        elif address == SYSCFG_CFGR:
+            # Its bits can only be set.
+            self.registers[address] = self.registers.get(address, 0) | value
+            self.look_at_breaks()
         elif address == RCC_RSR:
             if value & REMOVE_FLAGS:
                 self.flags = 0
@@ -306,7 +384,7 @@ class Chip:
         drives = (
             timer.get(CR1, 0) & ENABLED
             and timer.get(CCER, 0) & 1
-            and timer.get(BDTR, 0) & MAIN_OUTPUT
+            and self.motor.drives()
             and self.pins.has_function("PE9")
         )
         duty = min(1.0, timer.get(CCR1, 0) / (timer.get(ARR, 0) + 1)) if drives else 0.0
@@ -314,18 +392,18 @@ class Chip:
         self.bench.drive(
             self.processor.now,
             duty=direction * duty,
-            is_enabled=self.pins.is_high("PE12"),
+            is_enabled=self.motor.enable_is_high() and self.pins.has_function("PE12"),
             is_open=self.pins.is_high("PC10"),
         )
 
-    def edge(self, name, time, width_ns=1000.0):
-        """A rising edge comes on a capture input, at a time that has just passed."""
+    def edge(self, name, time, width_ns=1000.0, is_falling=False):
+        """An edge comes on a capture input, at a time that has just passed."""
         channel = CAPTURES[name]
-        samples = self.clock.filter_samples(channel)
-        if self.pins.has_function(name) and width_ns >= samples * 5.0:
+        passes = width_ns >= self.clock.filter_ns(channel)
+        if passes and self.clock.is_falling(channel) == is_falling and self.pins.has_function(name):
             self.clock.capture(channel, self.clock.count(time))
 
     def index(self, counts):
         """The stage has crossed the mark, where the encoder has so many counts."""
-        if self.pins.has_function("PD14"):
+        if self.pins.has_function("PD14") and not self.encoder.is_falling(2):
             self.encoder.capture(2, (counts - self.encoder.zero) & 0xFFFF)

@@ -27,6 +27,8 @@ FLASH, FLASH_BYTES = 0x0800_0000, 0x20_0000
 ITCM, ITCM_BYTES = 0x0000_0000, 0x1_0000
 DTCM, DTCM_BYTES = 0x2000_0000, 0x2_0000
 AXI, AXI_BYTES = 0x2400_0000, 0x8_0000
+# Memories whose accesses the protection judges in the model; flash comes first.
+MEMORIES = ((FLASH, FLASH_BYTES), (ITCM, ITCM_BYTES), (DTCM, DTCM_BYTES), (AXI, AXI_BYTES))
 PERIPHERALS, PERIPHERALS_BYTES = 0x4000_0000, 0x2000_0000
 PRIVATE, PRIVATE_BYTES = 0xE000_0000, 0x10_0000
 # Returns from exceptions go to such an address; a page is there so that Unicorn can stop before it.
@@ -40,6 +42,18 @@ NMI, HARD_FAULT, SYSTICK, FIRST_INTERRUPT = 2, 3, 15, 16
 
 FORCED = 1 << 30
 BUS_FAULT, UNDEFINED = 0x8200, 0x1_0000
+# Faults of the memory protection: of an instruction fetch, of an access, of an exception's frame.
+FETCH_FAULT, ACCESS_FAULT, FRAME_FAULT = 0x1, 0x2, 0x10
+# Registers of the memory protection (ARMv7-M, section B3.5), and permissions by field AP.
+MPU_CTRL, MPU_RNR, MPU_RBAR, MPU_RASR = 0xE000_ED94, 0xE000_ED98, 0xE000_ED9C, 0xE000_EDA0
+MPU_TYPE, MPU_REGIONS = 0xE000_ED90, 16
+_READ, _WRITE, _FETCH = unicorn.UC_PROT_READ, unicorn.UC_PROT_WRITE, unicorn.UC_PROT_EXEC
+PERMISSIONS = {0: 0, 1: _READ | _WRITE, 3: _READ | _WRITE, 5: _READ, 6: _READ, 7: _READ}
+PROTECTED = {
+    unicorn.UC_ERR_FETCH_PROT: FETCH_FAULT,
+    unicorn.UC_ERR_READ_PROT: ACCESS_FAULT,
+    unicorn.UC_ERR_WRITE_PROT: ACCESS_FAULT,
+}
 
 _PUSHED = (
     arm.UC_ARM_REG_R0, arm.UC_ARM_REG_R1, arm.UC_ARM_REG_R2, arm.UC_ARM_REG_R3,
@@ -61,7 +75,7 @@ class Processor:
         self.uc = uc = unicorn.Uc(unicorn.UC_ARCH_ARM, mode)
         uc.ctl_set_cpu_model(arm.UC_CPU_ARM_CORTEX_M7)
         uc.mem_map(FLASH, FLASH_BYTES, unicorn.UC_PROT_READ | unicorn.UC_PROT_EXEC)
-        for start, length in ((ITCM, ITCM_BYTES), (DTCM, DTCM_BYTES), (AXI, AXI_BYTES)):
+        for start, length in MEMORIES[1:]:
             uc.mem_map(start, length)
         uc.mem_map(RETURN_PAGE, RETURN_BYTES, unicorn.UC_PROT_READ | unicorn.UC_PROT_EXEC)
         uc.mmio_map(PERIPHERALS, PERIPHERALS_BYTES, self._read, None, self._write, None)
@@ -103,6 +117,8 @@ class Processor:
         self.asleep = False
         self.locked = False
         self.wants_reset = False
+        self.regions = {}
+        self._protect()
         stack, entry = struct.unpack("<II", self.uc.mem_read(FLASH, 8))
         self.uc.reg_write(arm.UC_ARM_REG_PRIMASK, 0)
         self.uc.reg_write(arm.UC_ARM_REG_SP, stack)
@@ -130,6 +146,8 @@ class Processor:
                 return self.active[-1] if self.active else 0
             case 0xE000_ED78:
                 return 0x0900_0003
+            case _ if address == MPU_TYPE:
+                return MPU_REGIONS << 8
             case 0xE000_ED80:
                 # Few sets and ways: a cache has no effect here.
                 return 0xF003_E019 & ~0x0FFF_E000
@@ -151,9 +169,44 @@ class Processor:
         if address == 0xE000_E010 and value & 1 and not before & 1:
             self.systick_epoch += 1
             self._start_systick(self.systick_epoch)
+        elif address == MPU_RASR:
+            number = self.private.get(MPU_RNR, 0)
+            self.regions[number] = self.private.get(MPU_RBAR, 0) & ~0x1F, value
+            self._protect()
+        elif address == MPU_CTRL:
+            self._protect()
         elif address == 0xE000_ED0C and value >> 16 == 0x05FA and value & 4:
             self.wants_reset = True
             self.uc.emu_stop()
+
+    def permissions(self, address):
+        """Returns what the memory protection allows at an address; handlers of faults may all."""
+        control = self.private.get(MPU_CTRL, 0)
+        is_background = not control & 1 or control & 4
+        allowed = _READ | _WRITE | _FETCH if is_background else 0
+        if not control & 1 or HARD_FAULT in self.active or NMI in self.active:
+            return allowed
+        for _, (base, attributes) in sorted(self.regions.items()):
+            if attributes & 1:
+                length = 2 << (attributes >> 1 & 0x1F)
+                eighth = 8 * (address - base) // length
+                if 0 <= address - base < length and not attributes >> 8 + eighth & 1:
+                    allowed = PERMISSIONS[attributes >> 24 & 7]
+                    if allowed & _READ and not attributes >> 28 & 1:
+                        allowed |= _FETCH
+        return allowed
+
+    def _protect(self):
+        """Gives the memories the permissions that the protection leaves, kilobyte by kilobyte."""
+        for start, length in MEMORIES:
+            chip = _READ | _FETCH if start == FLASH else _READ | _WRITE | _FETCH
+            edges = {start, start + length}
+            for base, attributes in self.regions.values():
+                size = 2 << (attributes >> 1 & 0x1F)
+                edges |= {edge for edge in (base, base + size) if start < edge < start + length}
+            edges = sorted(edges)
+            for begin, end in zip(edges, edges[1:]):
+                self.uc.mem_protect(begin, end - begin, chip & self.permissions(begin))
 
     def _start_systick(self, epoch):
         self.after(self.private.get(0xE000_E014, 0) + 1, lambda: self._tick(epoch))
@@ -162,6 +215,10 @@ class Processor:
         if epoch == self.systick_epoch:
             self.systick_pending |= self.private[0xE000_E010] & 2 != 0
             self._start_systick(epoch)
+
+    def stop(self):
+        """The clock stops: nothing but the watchdog, which has its own, goes on."""
+        self.locked = True
 
     def stop_systick(self):
         """Lets the source of rounds fail."""
@@ -205,6 +262,9 @@ class Processor:
         ):
             self.fault(BUS_FAULT, from_stacking=True)
             return
+        if not self.permissions(frame) & _WRITE:
+            self.fault(FRAME_FAULT, from_stacking=True)
+            return
         aligned = (stack & 4) << 7
         pushed = struct.pack(
             "<8I8QII",
@@ -220,6 +280,8 @@ class Processor:
         (handler,) = struct.unpack("<I", uc.mem_read(table + 4 * number, 4))
         self.pc = handler & ~1
         self.active.append(number)
+        if number in (NMI, HARD_FAULT):
+            self._protect()
         if number == SYSTICK:
             self.systick_pending = False
         elif number == NMI:
@@ -235,7 +297,8 @@ class Processor:
         uc.reg_write(arm.UC_ARM_REG_SP, frame + FRAME_BYTES + (4 if xpsr & 0x200 else 0))
         uc.reg_write(arm.UC_ARM_REG_XPSR, xpsr & ~0x200)
         self.pc = pc & ~1
-        self.active.pop()
+        if self.active.pop() in (NMI, HARD_FAULT):
+            self._protect()
 
     def fault(self, status, from_stacking=False):
         """A fault of an instruction or of the frame of an exception."""
@@ -289,6 +352,9 @@ class Processor:
             if self.pc == RETURN:
                 # Unicorn leaves returns from exceptions to its user.
                 self._leave()
+                return
+            if error.errno in PROTECTED:
+                self.fault(PROTECTED[error.errno])
                 return
             is_code = error.errno in (unicorn.UC_ERR_INSN_INVALID, unicorn.UC_ERR_EXCEPTION)
             self.fault(UNDEFINED if is_code else BUS_FAULT)

@@ -9,12 +9,17 @@ The image is the one that is flashed, unchanged. TEST is a name as `test_flight`
 import sys
 import unittest
 
+import test_clock
 import test_edges
 import test_flight
 import test_force
+import test_memory
 import test_start
 
-CLASSES = (test_start.Start, test_force.Force, test_edges.Edges, test_flight.TenSeconds)
+CLASSES = (
+    test_start.Start, test_force.Force, test_memory.Memory, test_edges.Edges, test_clock.Clock,
+    test_flight.TenSeconds,
+)  # fmt: skip
 
 
 def main():

@@ -10,7 +10,7 @@ from unicorn import arm_const as arm
 
 from board import CYCLES_PER_S, Board
 from link import Link
-from processor import ITCM
+from processor import FLASH, FLASH_BYTES
 
 HERE = pathlib.Path(__file__).parent
 CAMERA = HERE.parents[1] / "host-sim/scenarios/cameras/mission.toml"
@@ -23,6 +23,15 @@ HANGS = struct.pack("<H", 0xE7FE)
 OVERFLOWS = struct.pack("<HH", 0xB4FF, 0xE7FD)
 UNDEFINED = struct.pack("<H", 0xDE00)
 BOOT_S = 0.02
+# Flash that the image leaves free.
+ASTRAY = FLASH + FLASH_BYTES - 0x1000
+
+
+def settings(folder, text):
+    """Writes the settings of the tests with more of them; returns the file's path."""
+    path = pathlib.Path(folder) / "settings.toml"
+    path.write_text(SETTINGS.read_text() + text)
+    return path
 
 
 class Flight:
@@ -65,12 +74,12 @@ def astray(board, code):
     while board.processor.active:
         board.processor.run(board.now + 1)
     processor = board.processor
-    processor.uc.mem_write(ITCM + 0x100, code)
-    processor.uc.ctl_remove_cache(ITCM + 0x100, ITCM + 0x200)
+    processor.uc.mem_write(ASTRAY, code)
+    processor.uc.ctl_remove_cache(ASTRAY, ASTRAY + 0x100)
     processor.uc.reg_write(arm.UC_ARM_REG_PRIMASK, 0)
     processor.uc.reg_write(arm.UC_ARM_REG_XPSR, 0x0100_0000)
     processor.asleep = False
-    processor.pc = ITCM + 0x100
+    processor.pc = ASTRAY
 
 
 def start_reason(board):

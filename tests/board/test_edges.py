@@ -1,9 +1,10 @@
 """Edges on the capture inputs, and a link that is flooded."""
 
+import tempfile
 import unittest
 
 from link import Link
-from support import MS, Flight
+from support import MS, Flight, settings
 
 
 class Edges(unittest.TestCase):
@@ -45,6 +46,55 @@ class Edges(unittest.TestCase):
         self.assertEqual([record["reason"] for record in records], ["not armed"] * 2)
         expected = [board.chip.clock.count(time) for time, _ in stamps]
         self.assertEqual([int(record["trigger_us"]) for record in records], expected)
+
+    def test_filter_and_edge_of_the_trigger_are_those_of_the_settings(self):
+        board, expected = self.board, []
+        lines = '[inputs]\nshortest_pulse_ns = 1000\ntrigger = "Falling"\n'
+        with tempfile.TemporaryDirectory() as folder:
+            self.flight.prepare(settings(folder, lines))
+        self.assertEqual(board.chip.pins.pull("PA0"), 1, "a line that idles high is pulled up")
+        # The longest filter that lets 1000 ns pass has 960 ns.
+        for index, width_ns in enumerate((40.0, 900.0, 1000.0, 5000.0)):
+            time = board.now + (10 + 10 * index) * MS + 137 * index
+            if width_ns >= 1000.0:
+                expected.append(board.chip.clock.count(time + round(0.4 * width_ns)))
+            board.bench.trigger(time, width_ns)
+        board.run(0.06)
+        stamps = [int(record["trigger_us"]) for record in self.flight.records()]
+        self.assertEqual(stamps, expected)
+
+    def test_settings_of_every_line_reach_its_timer_and_the_next_flight_sets_them_back(self):
+        chip = self.board.chip
+        lines = ("trigger", "time_pulse", "shutter_opened", "shutter_closed")
+
+        def falling():
+            stamps = [chip.clock.is_falling(channel) for channel in range(4)]
+            return [*stamps, chip.encoder.is_falling(2)]
+
+        for number, name in enumerate((*lines, "index")):
+            with tempfile.TemporaryDirectory() as folder:
+                text = f'[inputs]\n{name} = "Falling"\nshortest_track_ns = 20\n'
+                self.flight.prepare(settings(folder, text))
+            self.assertEqual(falling(), [place == number for place in range(5)], name)
+            self.assertEqual([chip.encoder.filter_ns(track) for track in (0, 1)], [20.0, 20.0])
+            self.assertEqual(chip.encoder.filter_ns(2), 40.0)
+        self.flight.prepare()
+        self.assertEqual(falling(), [False] * 5)
+        self.assertEqual(chip.encoder.filter_ns(0), 40.0)
+        self.assertEqual(self.flight.status()["unexpected_edges"], 0)
+
+    def test_settings_that_are_refused_are_named_with_their_range(self):
+        for text, parts in (
+            ("shortest_pulse_ns = -1", ("shortest_pulse_ns", "0 to 100000")),
+            ("shortest_track_ns = 1e9", ("shortest_track_ns", "0 to 100000")),
+            ('brake = "Sometimes"', ("Sometimes", "Unused")),
+            ('trigger = "Both"', ("Both", "Falling")),
+            ("filter = 3", ("inputs.filter",)),
+        ):
+            with tempfile.TemporaryDirectory() as folder, self.assertRaises(AssertionError) as said:
+                self.flight.prepare(settings(folder, f"[inputs]\n{text}\n"))
+            for part in parts:
+                self.assertIn(part, str(said.exception))
 
     def test_two_edges_between_two_rounds_are_two_stamps(self):
         board = self.board

@@ -31,7 +31,10 @@ class TenSeconds(unittest.TestCase):
         flight.camera("referenced")
         flight.camera("arm")
         records = self.fly(flight)
-        self.assertEqual(flight.status()["late_rounds"], 0)
+        status = flight.status()
+        self.assertEqual(status["late_rounds"], 0)
+        self.assertLess(abs(status["clock_drift_ppm"] - CLOCK_PPM), 1.0)
+        self.assertLess(abs(status["clock_corrected_ppm"] - CLOCK_PPM), 2.0)
         self.assertEqual(len(records), FRAMES)
         self.assertEqual(len(board.bench.frames), FRAMES)
         wraps = {int(record["trigger_us"]) >> 32 for record in records}

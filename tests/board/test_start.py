@@ -3,7 +3,7 @@
 import unittest
 
 from board import CYCLES_PER_S, Board
-from chip import FUNCTIONS, PORTS, RCC
+from chip import FUNCTIONS, RCC
 from link import Link
 from support import BOOT_S, HANGS, MS, OVERFLOWS, UNDEFINED, astray, start_reason
 from timers import BDTR
@@ -58,14 +58,13 @@ class Start(unittest.TestCase):
         pins = self.booted().chip.pins
         for name in FUNCTIONS:
             self.assertTrue(pins.has_function(name), name)
-        for name in ("PC10", "PE10", "PE12", "PB0", "PB14"):
+        for name in ("PC10", "PE10", "PB0", "PB14"):
             self.assertTrue(pins.is_output(name), name)
         # Resistors inside the chip: up for the link and tracks, down for edges.
-        down = ("PA0", "PB3", "PB10", "PB11", "PD14")
+        down = ("PA0", "PB3", "PB10", "PB11", "PD14", "PE15")
         up = ("PD12", "PD13", "PC8", "PC9", "PD9", "PD6", "PE7")
         for name, pull in [(name, 2) for name in down] + [(name, 1) for name in up]:
-            port, pin = PORTS.index(name[1]), int(name[2:])
-            self.assertEqual(pins.registers[(port, 0x0C)] >> 2 * pin & 3, pull, name)
+            self.assertEqual(pins.pull(name), pull, name)
 
     def test_main_loop_that_hangs_is_restarted_by_the_watchdog(self):
         board = self.booted()

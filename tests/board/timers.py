@@ -2,16 +2,18 @@
 
 from processor import CYCLES_PER_US
 
-CR1, SMCR, DIER, SR, EGR, CCMR1, CCER, CNT, PSC, ARR, CCR1, BDTR = (
-    0x00, 0x08, 0x0C, 0x10, 0x14, 0x18, 0x20, 0x24, 0x28, 0x2C, 0x34, 0x44,
+CR1, SMCR, DIER, SR, EGR, CCMR1, CCER, CNT, PSC, ARR, CCR1, BDTR, AF1 = (
+    0x00, 0x08, 0x0C, 0x10, 0x14, 0x18, 0x20, 0x24, 0x28, 0x2C, 0x34, 0x44, 0x60,
 )  # fmt: skip
 ENABLED = 1
 ENCODER_MODE_3 = 3
 MAIN_OUTPUT = 1 << 15
 # Cycles of the processor per cycle of the timers' clock, 200 MHz.
 TIMER_CYCLES = CYCLES_PER_US // 200
-# Filter values of the captures, by number: samples at the timer's clock.
-FILTER_SAMPLES = {0: 1, 1: 2, 2: 4, 3: 8}
+# Filters of the inputs, by number: periods of the timer's clock through which a level must hold,
+# the sampling clock undivided (RM0433, TIMx_CCMR1, field IC1F).
+FILTER_PERIODS = (0, 2, 4, 8, 12, 16, 24, 32, 48, 64, 80, 96, 128, 160, 192, 256)
+PERIOD_NS = 5.0
 
 
 class Timer:
@@ -90,9 +92,13 @@ class Timer:
         mode = self.registers.get(CCMR1 + 4 * (channel // 2), 0) >> 8 * (channel % 2)
         return mode & 3 == 1
 
-    def filter_samples(self, channel):
+    def filter_ns(self, channel):
         mode = self.registers.get(CCMR1 + 4 * (channel // 2), 0) >> 8 * (channel % 2)
-        return FILTER_SAMPLES[mode >> 4 & 0xF]
+        return PERIOD_NS * FILTER_PERIODS[mode >> 4 & 0xF]
+
+    def is_falling(self, channel):
+        """Returns true if a channel captures at falling edges."""
+        return self.registers.get(CCER, 0) >> 4 * channel & 0xA == 2
 
     def capture(self, channel, count):
         """Latches a count. A latch that nobody has read is overwritten, which the status says."""
@@ -120,6 +126,63 @@ class Timer:
         if epoch == self.epoch:
             self.status |= 2 << channel
             self._plan(channel)
+
+
+class MotorTimer(Timer):
+    """TIM1: pulses on channel 1, a forced level on the complementary output of channel 3, and the
+    break, which takes both outputs low and stays until software enables them again.
+
+    `chip` says whether the brake is pulled and whether a system break is requested."""
+
+    BRAKE, SYSTEM = 1 << 7, 1 << 13
+    FORCED_ACTIVE = 5
+    BREAK_ENABLED, BREAK_ACTIVE_HIGH, IDLE_LEVEL = 1 << 12, 1 << 13, 1 << 10
+    INPUT_ENABLED, INPUT_INVERTED = 1, 1 << 9
+
+    def __init__(self, processor, base, chip):
+        self.chip = chip
+        super().__init__(processor, base, bits=16)
+
+    def reset(self):
+        super().reset()
+        self.registers[AF1] = self.INPUT_ENABLED
+
+    def requests(self):
+        """Returns the flags of the breaks that are requested now."""
+        if not self.registers.get(BDTR, 0) & self.BREAK_ENABLED:
+            return 0
+        source = self.registers[AF1]
+        inverted = bool(source & self.INPUT_INVERTED)
+        level = bool(source & self.INPUT_ENABLED) and self.chip.brake_level() != inverted
+        is_braked = level == bool(self.registers[BDTR] & self.BREAK_ACTIVE_HIGH)
+        return (self.BRAKE if is_braked else 0) | (self.SYSTEM if self.chip.breaks() else 0)
+
+    def look(self):
+        """Lets what is requested now act."""
+        requests = self.requests()
+        self.status |= requests
+        if requests:
+            self.registers[BDTR] &= ~MAIN_OUTPUT
+
+    def brake_filter_ns(self):
+        return PERIOD_NS * FILTER_PERIODS[self.registers.get(BDTR, 0) >> 16 & 0xF]
+
+    def write(self, offset, value):
+        super().write(offset, value)
+        # The main output can be enabled and flags can be cleared where nothing is requested.
+        if offset == BDTR and self.status & self.SYSTEM:
+            self.registers[BDTR] &= ~MAIN_OUTPUT
+        self.look()
+
+    def drives(self):
+        """Returns true while the outputs do what their channels say."""
+        return self.registers.get(BDTR, 0) & MAIN_OUTPUT
+
+    def enable_is_high(self):
+        """Level of the complementary output of channel 3; low where the timer does not drive it."""
+        mode = self.registers.get(CCMR1 + 4, 0) >> 4 & 7
+        only_complementary = self.registers.get(CCER, 0) >> 8 & 0xF == 4
+        return bool(self.drives() and only_complementary and mode == self.FORCED_ACTIVE)
 
 
 class EncoderTimer(Timer):

@@ -221,6 +221,23 @@ fn finding_of_an_exposure_is_in_its_own_record_and_of_a_refusal_in_the_next() {
 }
 
 #[test]
+fn last_finding_is_told_with_its_age() {
+    let mut bench = Bench::armed();
+    let last = |bench: &Bench| bench.camera.controller().last_finding();
+    assert_eq!(last(&bench), None);
+    for flag in [Flag::VhOutOfRange, Flag::UtcNoPulse, Flag::VhNotANumber] {
+        inject(&mut bench, flag);
+        bench.run(400);
+        let found = last(&bench).unwrap();
+        assert_eq!(found.flag, flag);
+        assert!((found.age_s - 0.4).abs() < 0.003, "{found:?}");
+        // Good samples leave it.
+        vh(&mut bench, &[VhSample::GroundSpeed(60.0)]);
+        assert_eq!(last(&bench).map(|found| found.flag), Some(flag));
+    }
+}
+
+#[test]
 fn missing_pulses_are_counted_one_by_one() {
     let mut bench = Bench::armed();
     inject(&mut bench, Flag::UtcMissingPulses);

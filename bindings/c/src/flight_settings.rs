@@ -2,6 +2,7 @@
 
 use fmc::flight::drive::loop_settings::LoopSettings;
 use fmc::flight::drive::settings::{DriveSettings, EncoderSide};
+use fmc::flight::input_settings::InputSettings;
 use fmc::flight::settings::FlightSettings;
 use fmc::flight::vh::{ChannelSettings, VhSettings};
 
@@ -307,6 +308,8 @@ impl fmc_flight_settings {
     /// Returns the settings, not yet validated.
     pub(crate) fn settings(&self) -> Result<FlightSettings, fmc_error> {
         Ok(FlightSettings {
+            // The caller of a library has lines of its own.
+            inputs: InputSettings::default(),
             exposure_s: self.exposure_s,
             direction: code::direction(self.direction)?,
             smear_budget_px: self.smear_budget_px,

@@ -3,8 +3,11 @@
 use std::collections::BTreeMap;
 use std::io::{self, Write};
 
+use fmc_camera::flight::clock_drift::ClockDrift;
 use fmc_camera::flight::controller::state::State;
+use fmc_camera::flight::disciplined_clock::WORST_RATE_PPM;
 use fmc_camera::flight::fault::Fault;
+use fmc_camera::flight::findings::LastFinding;
 use fmc_camera::flight::in_doubt::InDoubt;
 use fmc_camera::io::instruments::counters::{
     AutopilotCounters, InstrumentCounters, ReceiverCounters,
@@ -79,6 +82,11 @@ pub fn write_text(
         ),
         ("found", found),
     ];
+    if let Some(LastFinding { flag, age_s }) = status.last_finding {
+        let last = format!("{}, {age_s:.1} s ago", flag.name());
+        pairs.push(("found last", last));
+    }
+    pairs.push(("clock", clock_line(status.clock_drift)));
     if let Some(counters) = instruments {
         pairs.push(("receiver", receiver_line(&counters.receiver)));
         pairs.push(("autopilot", autopilot_line(&counters.autopilot)));
@@ -88,6 +96,27 @@ pub fn write_text(
         }
     }
     writeln!(sink, "{}", terminal::pairs(NAMES, pairs))
+}
+
+/// Describes the drift of the clock.
+fn clock_line(drift: Option<ClockDrift>) -> String {
+    let Some(drift) = drift else {
+        return "not measured: no two time pulses a second apart have come".to_owned();
+    };
+    let ClockDrift {
+        drift_ppm,
+        corrected_ppm,
+    } = drift;
+    let corrected_ppm = corrected_ppm.abs();
+    let side = if drift_ppm < 0.0 { "slow" } else { "fast" };
+    let by_pulses = format!("{:.1} ppm {side} by the time pulses", drift_ppm.abs());
+    if drift_ppm.abs() > WORST_RATE_PPM {
+        format!(
+            "{by_pulses}: above {WORST_RATE_PPM:.0} ppm nothing is corrected, and UTC is missing"
+        )
+    } else {
+        format!("{by_pulses}, {corrected_ppm:.1} ppm corrected")
+    }
 }
 
 /// Describes the last crossing of the index mark.
@@ -213,6 +242,14 @@ struct StatusReport {
     /// Number of times each finding was made of the aircraft's instruments, by the name of its
     /// flag.
     findings: BTreeMap<&'static str, u32>,
+    /// Name of the last finding, and the time since then.
+    last_finding: Option<&'static str>,
+    last_finding_age_s: Option<f32>,
+    /// Error of the clock's rate by the time pulses, positive if it runs fast; null before it is
+    /// measured.
+    clock_drift_ppm: Option<f32>,
+    /// The part of it by which camera time is corrected.
+    clock_corrected_ppm: Option<f32>,
     /// The calibration it was prepared with.
     calibration: Option<CalibrationIdentity>,
     /// Place of the index mark by its last crossing.
@@ -250,6 +287,10 @@ impl StatusReport {
                 .iter()
                 .map(|(flag, count)| (flag.name(), count))
                 .collect(),
+            last_finding: status.last_finding.map(|last| last.flag.name()),
+            last_finding_age_s: status.last_finding.map(|last| last.age_s),
+            clock_drift_ppm: status.clock_drift.map(|clock| clock.drift_ppm),
+            clock_corrected_ppm: status.clock_drift.map(|clock| clock.corrected_ppm),
             calibration: status.calibration.as_ref().map(CalibrationIdentity::of),
             index_mm: status.index_mm,
             in_doubt: status.in_doubt,

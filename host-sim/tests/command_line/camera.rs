@@ -129,11 +129,19 @@ fn camera_on_a_board_is_flown_by_commands_and_its_records_are_fetched() {
     assert_eq!(status["findings"]["V/H jump"], 0);
     let text = board.run(&["status"]).ok().stdout;
     assert!(text.contains("found            nothing"), "{text}");
+    assert!(!text.contains("found last"), "{text}");
+    assert!(text.contains("clock            not measured"), "{text}");
+    assert_eq!(board.status()["last_finding"], serde_json::Value::Null);
     // Each finding is counted under its name.
     board.says(&["vh", "1.5"], "armed");
     let text = board.run(&["status"]).ok().stdout;
     assert!(text.contains("found            1 V/H jump\n"), "{text}");
-    assert_eq!(board.status()["findings"]["V/H jump"], 1);
+    assert!(text.contains("found last       V/H jump, 0."), "{text}");
+    let status = board.status();
+    assert_eq!(status["findings"]["V/H jump"], 1);
+    assert_eq!(status["last_finding"], "V/H jump");
+    let age_s = status["last_finding_age_s"].as_f64().unwrap();
+    assert!(age_s > 0.0 && age_s < 1.0, "{age_s}");
     board.says(&["disarm"], "standby");
     board
         .run(&["prepare", "--camera", "camera.toml"])

@@ -20,6 +20,8 @@ pub(super) struct Aircraft {
     /// Mean square of the change of all three attitude rates from sample to sample, (°/s)².
     rate_change: f32,
     findings: Findings,
+    /// The last finding, and the time of the sample of which it was made.
+    last_finding: Option<(Time, Flag)>,
     /// Findings since the last record, or of the last sample of a source.
     found: Flags,
     /// Findings of the last sample of each source: of each [`VhChannel`], of pulse, time and
@@ -60,6 +62,7 @@ impl Aircraft {
             attitude: None,
             rate_change: 3.0 * rate_sigma_deg_s * rate_sigma_deg_s,
             findings: Findings::NONE,
+            last_finding: None,
             found: Flags::NONE,
             last: [Flags::NONE; SOURCES],
         }
@@ -72,19 +75,18 @@ impl Aircraft {
                 let (channel, _) = VhChannel::of(sample);
                 let was_unconfirmed = self.vh.is_unconfirmed();
                 let finding = self.vh.observe(time, sample);
-                self.find(channel as usize, None, 0);
+                self.pass(channel as usize);
                 if let Some(VhFinding { channel, kind, .. }) = finding {
                     let flag = Flag::of_vh(kind);
-                    self.find(channel as usize, flag, 1);
+                    self.find(channel as usize, time, flag, 1);
                     if kind == VhFindingKind::Disagreement {
                         // A disagreement holds until the sources agree, whatever comes from this
                         // one.
-                        self.find(channel as usize, None, 0);
+                        self.pass(channel as usize);
                     }
                 }
                 if self.vh.is_unconfirmed() && !was_unconfirmed {
-                    self.found.insert(Flag::VhUnconfirmed);
-                    self.findings.count(Flag::VhUnconfirmed, 1);
+                    self.note(time, Flag::VhUnconfirmed, 1);
                 }
             }
             Said::Attitude(sample) => {
@@ -99,7 +101,7 @@ impl Aircraft {
                 if finding.is_none() {
                     self.attitude = Some((time, sample));
                 }
-                self.find(ATTITUDE, finding.map(Flag::of_attitude), 1);
+                self.find(ATTITUDE, time, finding.map(Flag::of_attitude), 1);
             }
             Said::TimePulse => {
                 let finding = self.utc.pulse(time);
@@ -107,11 +109,11 @@ impl Aircraft {
                     Some(UtcFinding::MissingPulses(pulses)) => pulses,
                     _ => 1,
                 };
-                self.find(PULSE, finding.map(Flag::of_utc), times);
+                self.find(PULSE, time, finding.map(Flag::of_utc), times);
             }
             Said::GnssTime(unix_us) => {
                 let finding = self.utc.receiver_time(time, unix_us);
-                self.find(TIME, finding.map(Flag::of_utc), 1);
+                self.find(TIME, time, finding.map(Flag::of_utc), 1);
             }
         }
     }
@@ -143,8 +145,7 @@ impl Aircraft {
         if libm::fabsf(time.seconds_since(heard)) <= ATTITUDE_WITHIN_S {
             return Some(sample);
         }
-        self.found.insert(Flag::AttitudeSilent);
-        self.findings.count(Flag::AttitudeSilent, 1);
+        self.note(time, Flag::AttitudeSilent, 1);
         None
     }
 
@@ -177,17 +178,35 @@ impl Aircraft {
         &self.findings
     }
 
-    /// Notes the findings of the last sample of a source: the flag and its count, or none.
-    fn find(&mut self, source: usize, flag: Option<Flag>, times: u32) {
-        let mut shown = Flags::NONE;
-        if let Some(flag) = flag {
-            shown.insert(flag);
-            self.findings.count(flag, times);
-        }
-        self.found.insert_all(shown);
+    /// The last finding, and the time of the sample of which it was made.
+    pub(super) const fn last_finding(&self) -> Option<(Time, Flag)> {
+        self.last_finding
+    }
+
+    /// Notes the finding of the last sample of a source: the flag and its count, or none.
+    fn find(&mut self, source: usize, time: Time, flag: Option<Flag>, times: u32) {
+        self.pass(source);
+        let Some(flag) = flag else {
+            return;
+        };
+        self.note(time, flag, times);
         if let Some(last) = self.last.get_mut(source) {
-            *last = shown;
+            last.insert(flag);
         }
+    }
+
+    /// Notes that nothing was found of the last sample of a source.
+    fn pass(&mut self, source: usize) {
+        if let Some(last) = self.last.get_mut(source) {
+            *last = Flags::NONE;
+        }
+    }
+
+    /// Notes a finding for the next record, and counts it.
+    fn note(&mut self, time: Time, flag: Flag, times: u32) {
+        self.found.insert(flag);
+        self.findings.count(flag, times);
+        self.last_finding = Some((time, flag));
     }
 
     /// Returns the findings that still hold.

@@ -4,7 +4,7 @@ use super::Controller;
 use super::readiness::Mode;
 use crate::flight::calibration_id::CalibrationId;
 use crate::flight::camera;
-use crate::flight::findings::Findings;
+use crate::flight::findings::{Findings, LastFinding};
 use crate::flight::frame_record::FrameRecord;
 use crate::flight::in_doubt::InDoubt;
 use crate::flight::stage::Setpoint;
@@ -43,6 +43,24 @@ impl Controller {
     #[must_use]
     pub const fn findings(&self) -> &Findings {
         self.aircraft.findings()
+    }
+
+    /// The last finding of the aircraft's instruments; `None` if there was none.
+    #[must_use]
+    pub fn last_finding(&self) -> Option<LastFinding> {
+        let (time, flag) = self.aircraft.last_finding()?;
+        let now = self.readiness.last_event().unwrap_or(time);
+        Some(LastFinding {
+            flag,
+            age_s: now.seconds_since(time).max(0.0),
+        })
+    }
+
+    /// Drift of the camera's time by the time pulses, ppm, positive if it runs fast; `None` before
+    /// it is measured.
+    #[must_use]
+    pub const fn time_drift_ppm(&self) -> Option<f32> {
+        self.aircraft.utc.drift_ppm()
     }
 
     /// Returns the counts so far.

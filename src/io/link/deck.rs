@@ -2,6 +2,7 @@
 
 use super::message::{self, Refusal, Status};
 use crate::flight::camera::{self, Camera};
+use crate::flight::clock_drift::ClockDrift;
 use crate::flight::controller::{Controller, ControllerError, Start};
 use crate::flight::drive::flown_drive::FlownDrive;
 use crate::flight::event::Event;
@@ -49,6 +50,12 @@ pub trait FlightDeck {
         sent: Option<WireBytes>,
         answer: &mut RigAnswer,
     ) -> Option<Result<(), Refusal>>;
+
+    /// Drift of the clock by which the camera stamps, where it is told apart from the camera's
+    /// time; `None` on a test rig, or before it is measured.
+    fn clock_drift(&self) -> Option<ClockDrift> {
+        None
+    }
 
     /// The wires of receiver and autopilot; `None` for a camera without them.
     fn instruments(&self) -> Option<&Instruments> {
@@ -187,6 +194,10 @@ impl<Drive: FlownDrive> FlightDeck for FlownDeck<Drive> {
         self.offset_mm()
     }
 
+    fn clock_drift(&self) -> Option<ClockDrift> {
+        self.clock_drift()
+    }
+
     /// Returns `None`: the board has the time.
     fn step(
         &mut self,
@@ -264,10 +275,24 @@ pub(super) fn status(deck: &impl FlightDeck) -> Result<Status, Refusal> {
         offset_mm: deck.offset_mm(),
         following_rms_um: controller.following_rms_um(),
         findings: *controller.findings(),
+        last_finding: controller.last_finding(),
+        clock_drift: clock_drift(deck, controller),
         calibration: controller.calibration(),
         index_mm: controller.index_mm(),
         in_doubt: controller.in_doubt(),
     })
+}
+
+/// Drift of the camera's clock, by the mean of many time pulses once there is one.
+fn clock_drift(deck: &impl FlightDeck, controller: &Controller) -> Option<ClockDrift> {
+    let of_clock = deck.clock_drift();
+    match controller.time_drift_ppm() {
+        Some(left_ppm) => {
+            let corrected_ppm = of_clock.map_or(0.0, |drift| drift.corrected_ppm);
+            Some(ClockDrift::after_correction(corrected_ppm, left_ppm))
+        }
+        None => of_clock,
+    }
 }
 
 /// Number and frame of the last recorded exposure, for the correction of its points.

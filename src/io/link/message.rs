@@ -7,11 +7,12 @@ use super::packet::Packet;
 pub use super::refusal::Refusal;
 use super::{MAX_GRID_PART, MAX_OBSERVATIONS, MAX_PART, MAX_POINTS, PROTOCOL_VERSION};
 use crate::flight::calibration_id::CalibrationId;
+use crate::flight::clock_drift::ClockDrift;
 use crate::flight::controller::state::State;
 use crate::flight::controller::{self, Counts};
 use crate::flight::event::Event;
 use crate::flight::exposure::Exposure;
-use crate::flight::findings::Findings;
+use crate::flight::findings::{Findings, LastFinding};
 use crate::flight::frame_record::FrameRecord;
 use crate::flight::in_doubt::InDoubt;
 use crate::flight::interior_orientation::InteriorOrientation;
@@ -272,6 +273,10 @@ pub struct Status {
     pub following_rms_um: f32,
     /// Counts of the findings of the aircraft's instruments since it was prepared.
     pub findings: Findings,
+    /// The last of these findings; `None` if there was none.
+    pub last_finding: Option<LastFinding>,
+    /// Drift of the camera's clock by the time pulses; `None` before it is measured.
+    pub clock_drift: Option<ClockDrift>,
     /// The calibration it was prepared with; `None` if it has no identity.
     pub calibration: Option<CalibrationId>,
     /// Place of the index mark by its last crossing, mm along the FMC axis from the calibrated

@@ -50,7 +50,7 @@ pub mod station;
 pub mod wired_deck;
 
 /// Version of packets and messages. It changes whenever a message does.
-pub const PROTOCOL_VERSION: u8 = 5;
+pub const PROTOCOL_VERSION: u8 = 6;
 
 /// Number of points in one message; every buffer's size follows from it.
 pub const MAX_POINTS: usize = 64;

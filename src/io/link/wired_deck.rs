@@ -3,6 +3,7 @@
 use super::deck::FlightDeck;
 use super::message::Refusal;
 use crate::flight::camera::Camera;
+use crate::flight::clock_drift::ClockDrift;
 use crate::flight::control_loop::RoundActions;
 use crate::flight::controller::Controller;
 use crate::flight::drive::flown_drive::FlownDrive;
@@ -81,6 +82,10 @@ impl<Drive: FlownDrive> FlightDeck for WiredDeck<Drive> {
 
     fn offset_mm(&self) -> Option<f32> {
         self.flown.offset_mm()
+    }
+
+    fn clock_drift(&self) -> Option<ClockDrift> {
+        self.flown.clock_drift()
     }
 
     /// Returns `None`: the camera has its own time.

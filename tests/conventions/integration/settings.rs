@@ -2,6 +2,7 @@
 
 use fmc_camera::flight::drive::loop_settings::LoopSettings;
 use fmc_camera::flight::drive::settings::DriveSettings;
+use fmc_camera::flight::input_settings::InputSettings;
 use fmc_camera::flight::settings::FlightSettings;
 use fmc_camera::flight::vh::{ChannelSettings, VhSettings};
 
@@ -20,7 +21,7 @@ macro_rules! settings {
     };
 }
 
-const SETTINGS: [(&str, Field); 30] = settings![
+const SETTINGS: [(&str, Field); 32] = settings![
     exposure_s,
     smear_budget_px,
     speed_tolerance_percent,
@@ -51,6 +52,8 @@ const SETTINGS: [(&str, Field); 30] = settings![
     drive.velocity_loop.learning_rate_per_s,
     drive.velocity_loop.reading_age_s,
     drive.velocity_loop.duty_delay_s,
+    inputs.shortest_pulse_ns,
+    inputs.shortest_track_ns,
 ];
 
 /// Returns true if the settings are accepted with this value of one of them.
@@ -127,6 +130,18 @@ fn settings_without_a_range_are_named() {
                 index_mm: _,
                 index_sigma_um: _,
             },
+        inputs:
+            InputSettings {
+                shortest_pulse_ns: _,
+                shortest_track_ns: _,
+                trigger: _,
+                time_pulse: _,
+                shutter_opened: _,
+                shutter_closed: _,
+                index: _,
+                limit_switch: _,
+                brake: _,
+            },
     } = FlightSettings::default();
     for name in [
         "`direction`",
@@ -135,6 +150,13 @@ fn settings_without_a_range_are_named() {
         "`drive.encoder_side`",
         "`drive.motor_reversed`",
         "`drive.index_mm`",
+        "`inputs.trigger`",
+        "`inputs.time_pulse`",
+        "`inputs.shutter_opened`",
+        "`inputs.shutter_closed`",
+        "`inputs.index`",
+        "`inputs.limit_switch`",
+        "`inputs.brake`",
     ] {
         assert!(DOCUMENT.contains(name), "{name}");
     }

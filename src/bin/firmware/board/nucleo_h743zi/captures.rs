@@ -20,8 +20,19 @@ use fmc_camera::flight::{
     drive::flown_drive::FlownDrive,
     event::{Event, ShutterEdge},
     flown_deck::FlownDeck,
+    input_settings::{Edge, InputSettings},
     ring::Ring,
 };
+
+use super::{inputs::filter_of, line::Line};
+
+/// Lines of the channels, where their pulls are set.
+const LINES: [Line; 4] = [
+    Line::new(pac::GPIOA, 0),
+    Line::new(pac::GPIOB, 3),
+    Line::new(pac::GPIOB, 10),
+    Line::new(pac::GPIOB, 11),
+];
 
 /// Number of edges of one line that are kept from one round to the next.
 const PLACES: usize = 8;
@@ -86,6 +97,45 @@ impl Captures {
         unsafe { typelevel::TIM2::enable() };
         Self { _pins: pins }
     }
+
+    /// Takes the settings of the lines over. What they lead to by themselves is dropped.
+    #[expect(clippy::unused_self, reason = "the inputs must be in operation")]
+    pub(super) fn set_inputs(&mut self, inputs: &InputSettings) {
+        let edges = [
+            inputs.trigger,
+            inputs.time_pulse,
+            inputs.shutter_opened,
+            inputs.shutter_closed,
+        ];
+        let filter = filter_of(inputs.shortest_pulse_ns);
+        let timer = pac::TIM2;
+        timer.ccer().modify(|w| {
+            for channel in 0..4 {
+                w.set_cce(channel, false);
+            }
+        });
+        for (line, edge) in LINES.iter().zip(edges) {
+            line.pull(edge == Edge::Falling);
+        }
+        for pair in 0..2 {
+            timer.ccmr_input(pair).modify(|w| {
+                for channel in 0..2 {
+                    w.set_icf(channel, filter);
+                }
+            });
+        }
+        timer.ccer().modify(|w| {
+            for (channel, edge) in edges.into_iter().enumerate() {
+                w.set_ccp(channel, edge == Edge::Falling);
+            }
+        });
+        timer.sr().write_value(SrGp16(0));
+        timer.ccer().modify(|w| {
+            for channel in 0..4 {
+                w.set_cce(channel, true);
+            }
+        });
+    }
 }
 
 fn attach_channel<Pin, Channel>(pin: Peri<'static, Pin>, input: AfType) -> Flex<'static>
@@ -118,6 +168,7 @@ pub(super) fn hand_over<Drive: FlownDrive>(
             deck.capture(clock.extend(stamp), event);
             if event == Event::TimePulse {
                 clock.pulse(stamp);
+                deck.note_clock(clock.drift());
             }
         }
         let lost = edges.take_lost();

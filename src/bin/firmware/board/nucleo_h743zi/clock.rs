@@ -48,6 +48,18 @@ pub(super) fn configuration() -> Config {
     config
 }
 
+/// Watches the clock of the ST-LINK: when it fails, the processor goes on by its own oscillator,
+/// the force goes off, and the non-maskable interrupt restarts the firmware. It stays on until a
+/// reset.
+pub(super) fn watch() {
+    pac::RCC.cr().modify(|w| w.set_hsecsson(true));
+}
+
+/// Notes that the failure of the clock is seen to.
+pub(super) fn note_failure() {
+    pac::RCC.cicr().write(|w| w.set_hsecssc(true));
+}
+
 /// Free-running 32-bit count of microseconds. Its timer has the capture inputs of trigger, time
 /// pulse and shutter, so that their time stamps are on this clock.
 pub(super) struct Microseconds {

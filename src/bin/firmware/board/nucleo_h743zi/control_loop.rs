@@ -10,7 +10,7 @@ use fmc_camera::flight::{
 
 use crate::journal;
 
-use super::{Deck, captures, clock, inputs, motor, shutter, wires};
+use super::{Deck, captures, clock, force, inputs::Inputs, shutter, wires};
 
 /// Time from one round to the next, µs.
 const ROUND_US: u32 = 1000;
@@ -38,13 +38,13 @@ pub(super) fn is_overdue() -> bool {
 }
 
 /// Sets the deck's time, and makes a round if one is due.
-pub(super) fn turn(time: &mut DisciplinedClock, deck: &mut Deck) {
+pub(super) fn turn(time: &mut DisciplinedClock, inputs: &Inputs, deck: &mut Deck) {
     deck.flown_mut().set_now(time.extend(clock::now_us()));
     if !IS_DUE.swap(false, Ordering::Relaxed) {
         return;
     }
     captures::hand_over(time, deck.flown_mut());
-    deck.flown_mut().see(inputs::levels());
+    deck.flown_mut().see(inputs.levels());
     wires::hand_over(deck);
     let now_us = clock::now_us();
     GUARD.come_round(now_us);
@@ -68,7 +68,7 @@ pub(super) fn turn(time: &mut DisciplinedClock, deck: &mut Deck) {
 
 /// Takes the force off the motor, and closes the shutter.
 pub(super) fn stop() {
-    motor::off();
+    force::off();
     shutter::close();
 }
 
@@ -77,6 +77,6 @@ pub(super) fn stop() {
 fn SysTick() {
     IS_DUE.store(true, Ordering::Relaxed);
     if is_overdue() {
-        motor::off();
+        force::off();
     }
 }

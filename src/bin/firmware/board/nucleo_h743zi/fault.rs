@@ -6,7 +6,10 @@ use cortex_m_rt::exception;
 use fmc_camera::io::link::message::ResetCause;
 
 use super::super::cause;
-use super::{clock::CORE_MHZ, control_loop};
+use super::{
+    clock::{self, CORE_MHZ},
+    control_loop,
+};
 
 /// Time for the debugger to collect the log.
 const LOG_US: u32 = 20_000;
@@ -42,6 +45,14 @@ unsafe fn HardFault() -> ! {
             configurable
         );
     })
+}
+
+/// Restarts after the clock of the ST-LINK has failed. Without it start-up waits until the watchdog
+/// restarts it, again and again.
+#[exception]
+unsafe fn NonMaskableInt() -> ! {
+    clock::note_failure();
+    restart(|| defmt::error!("the clock of the ST-LINK has failed"))
 }
 
 /// Restarts at once: to wait here would keep out `SysTick`, which guards the motor, and the

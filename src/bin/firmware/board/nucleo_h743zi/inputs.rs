@@ -4,15 +4,18 @@
 use embassy_stm32::{
     Peri,
     gpio::{Input, Pull},
-    pac,
+    pac::{self, timer::vals::FilterValue},
     peripherals::{PC8, PC9},
 };
-use fmc_camera::flight::input_levels::InputLevels;
+use fmc_camera::flight::{
+    input_filter::filter_code,
+    input_levels::InputLevels,
+    input_settings::{InputSettings, LimitLevel},
+};
 
-use super::line::Line;
+use super::{clock, force, line::Line};
 
-/// Switches that open at the ends of the travel, between line and ground: a broken wire also counts
-/// as an end.
+/// Switches between line and ground.
 const LIMIT_LOW: Line = Line::new(pac::GPIOC, 8);
 const LIMIT_HIGH: Line = Line::new(pac::GPIOC, 9);
 
@@ -22,29 +25,45 @@ const THRESHOLD: u8 = 0b110;
 /// The lines in operation.
 pub(super) struct Inputs {
     _switches: [Input<'static>; 2],
+    at_end: LimitLevel,
 }
 
 impl Inputs {
-    /// Switches the monitor on.
+    /// Switches the monitor on, which takes the force off by itself, as a lock-up of the processor
+    /// does.
     pub(super) fn start(limit_low: Peri<'static, PC8>, limit_high: Peri<'static, PC9>) -> Self {
         pac::PWR.cr1().modify(|w| {
             w.set_pls(THRESHOLD);
             w.set_pvde(true);
         });
+        force::connect_protections();
         Self {
             _switches: [
                 Input::new(limit_low, Pull::Up),
                 Input::new(limit_high, Pull::Up),
             ],
+            at_end: LimitLevel::High,
+        }
+    }
+
+    /// Takes the settings of the switches over.
+    pub(super) fn set_inputs(&mut self, inputs: &InputSettings) {
+        self.at_end = inputs.limit_switch;
+    }
+
+    /// Returns the present levels. The supply also counts as low if it has been so since the last
+    /// call, as the force has gone off.
+    pub(super) fn levels(&self) -> InputLevels {
+        let is_end = |line: Line| line.is_high() == (self.at_end == LimitLevel::High);
+        InputLevels {
+            limit_low: is_end(LIMIT_LOW),
+            limit_high: is_end(LIMIT_HIGH),
+            supply_low: force::take_supply_break() || pac::PWR.csr1().read().pvdo(),
         }
     }
 }
 
-/// Returns the present levels.
-pub(super) fn levels() -> InputLevels {
-    InputLevels {
-        limit_low: LIMIT_LOW.is_high(),
-        limit_high: LIMIT_HIGH.is_high(),
-        supply_low: pac::PWR.csr1().read().pvdo(),
-    }
+/// Returns the filter of a timer's input for the shortest pulse that counts, ns.
+pub(super) fn filter_of(shortest_ns: f32) -> FilterValue {
+    FilterValue::from_bits(filter_code(shortest_ns, clock::TIMER_MHZ))
 }

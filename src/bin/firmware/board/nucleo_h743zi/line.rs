@@ -31,6 +31,15 @@ impl Line {
             .write_value(Bsrr(1_u32.wrapping_shl(u32::from(self.number) + half)));
     }
 
+    /// Pulls an input up, or down.
+    pub(super) fn pull(self, up: bool) {
+        let place = 2 * u32::from(self.number);
+        let pull: u32 = if up { 0b01 } else { 0b10 };
+        self.port.pupdr().modify(|w| {
+            w.0 = w.0 & !0b11_u32.wrapping_shl(place) | pull.wrapping_shl(place);
+        });
+    }
+
     /// Reads an input.
     pub(super) fn is_high(self) -> bool {
         self.port

@@ -9,10 +9,12 @@ mod captures;
 mod clock;
 mod control_loop;
 mod fault;
+mod force;
 mod inputs;
 mod line;
 mod link;
 mod log;
+mod memory_guard;
 mod motor;
 mod shutter;
 mod step_pins;
@@ -50,10 +52,10 @@ pub(crate) struct Board {
     _restarted: Output<'static>,
     time: DisciplinedClock,
     _clock: Microseconds,
-    _motor: Motor,
-    _captures: Captures,
+    motor: Motor,
+    captures: Captures,
     _shutter: Shutter,
-    _inputs: Inputs,
+    inputs: Inputs,
     _wires: Wires,
     /// Reserved.
     _stepper: StepPins,
@@ -73,9 +75,11 @@ impl Board {
         start_watchdog();
         let start = reason_of_start();
         let mut core = cortex_m::Peripherals::take()?;
+        memory_guard::start(&mut core.MPU);
         core.SCB.enable_icache();
         core.SCB.enable_dcache(&mut core.CPUID);
         let p = embassy_stm32::init(clock::configuration());
+        clock::watch();
 
         let restarted = Level::from(matches!(start, ResetCause::Watchdog | ResetCause::Fault));
         let board = Self {
@@ -83,12 +87,13 @@ impl Board {
             alive: Output::new(p.PB0, Level::High, Speed::Low),
             _restarted: Output::new(p.PB14, restarted, Speed::Low),
             time: DisciplinedClock::new(),
-            _motor: Motor::start(
+            motor: Motor::start(
                 (p.TIM1, p.TIM4),
                 MotorPins {
                     pwm: p.PE9,
                     direction: p.PE10,
                     enable: p.PE12,
+                    brake: p.PE15,
                     encoder_a: p.PD12,
                     encoder_b: p.PD13,
                     index: p.PD14,
@@ -96,14 +101,14 @@ impl Board {
             ),
             // The clock starts before the timers that count with it.
             _clock: Microseconds::start(p.TIM2),
-            _captures: Captures::start(CapturePins {
+            captures: Captures::start(CapturePins {
                 trigger: p.PA0,
                 time_pulse: p.PB3,
                 shutter_opened: p.PB10,
                 shutter_closed: p.PB11,
             }),
             _shutter: Shutter::start(p.TIM5, p.PC10),
-            _inputs: Inputs::start(p.PC8, p.PC9),
+            inputs: Inputs::start(p.PC8, p.PC9),
             _wires: Wires::start((p.USART2, p.UART7), p.PD6, p.PE7),
             _stepper: StepPins {
                 step: p.PC6,
@@ -120,9 +125,14 @@ impl Board {
         WiredDeck::new(flown, Instruments::new())
     }
 
-    /// Makes a round of the control loop, if one is due.
+    /// Makes a round of the control loop, if one is due. Settings of the lines come first.
     pub(crate) fn fly(&mut self, deck: &mut Deck) {
-        control_loop::turn(&mut self.time, deck);
+        if let Some(inputs) = deck.flown_mut().take_inputs() {
+            self.motor.set_inputs(&inputs);
+            self.captures.set_inputs(&inputs);
+            self.inputs.set_inputs(&inputs);
+        }
+        control_loop::turn(&mut self.time, &self.inputs, deck);
     }
 
     /// Takes the oldest byte received.

@@ -1,5 +1,5 @@
-//! The motor: TIM1 makes the pulse width, lines set direction and enable, and TIM4 counts the
-//! encoder and latches its count at the index mark.
+//! The motor: TIM1 makes the pulse width and the enable, a line sets the direction, and TIM4 counts
+//! the encoder and latches its count at the index mark.
 
 use core::convert::Infallible;
 
@@ -10,21 +10,28 @@ use embassy_stm32::{
         self,
         timer::{
             regs::SrGp16,
-            vals::{CcmrInputCcs, CcmrOutputCcs, FilterValue, OcmGp, Ossi, Sms},
+            vals::{CcmrInputCcs, CcmrOutputCcs, FilterValue, OcmGp, Sms},
         },
     },
-    peripherals::{PD12, PD13, PD14, PE9, PE10, PE12, TIM1, TIM4},
+    peripherals::{PD12, PD13, PD14, PE9, PE10, PE12, PE15, TIM1, TIM4},
     rcc,
     timer::{Ch1, Ch2, Ch3},
 };
 use embedded_hal::pwm::{ErrorType, SetDutyCycle};
-use fmc_camera::flight::drive::{
-    enabled_drive::EnabledDrive,
-    pwm_encoder::{Pins, PwmEncoder},
-    quadrature::{QuadratureCounter, WideCount},
+use fmc_camera::flight::{
+    drive::{
+        enabled_drive::EnabledDrive,
+        pwm_encoder::{Pins, PwmEncoder},
+        quadrature::{QuadratureCounter, WideCount},
+    },
+    input_settings::{Edge, InputSettings},
 };
 
-use super::line::{Line, attach};
+use super::{
+    force::{Enable, ForcePins},
+    inputs::filter_of,
+    line::{Line, attach},
+};
 
 /// Steps of the pulse width: 200 MHz over 20 kHz, which is inaudible.
 const FULL_DUTY: u16 = 10_000;
@@ -32,11 +39,11 @@ const FULL_DUTY: u16 = 10_000;
 /// Low is positive duty.
 const DIRECTION: Line = Line::new(pac::GPIOE, 10);
 
-/// High enables the power stage.
-const ENABLE: Line = Line::new(pac::GPIOE, 12);
+/// The index mark, where its pull is set.
+const INDEX_LINE: Line = Line::new(pac::GPIOD, 14);
 
 /// The drive of the library's camera.
-pub(crate) type Drive = EnabledDrive<PwmEncoder<MotorPwm, Line, Encoder>, Line>;
+pub(crate) type Drive = EnabledDrive<PwmEncoder<MotorPwm, Line, Encoder>, Enable>;
 
 /// Returns the drive, without force, with the default settings.
 pub(super) fn drive() -> Drive {
@@ -47,13 +54,7 @@ pub(super) fn drive() -> Drive {
             count: WideCount::new(),
         },
     };
-    EnabledDrive::new(PwmEncoder::unprepared(pins), ENABLE)
-}
-
-/// Takes the force off, from any context: the next set point puts it on again.
-pub(super) fn off() {
-    ENABLE.set(false);
-    pac::TIM1.ccr(0).write(|w| w.set_ccr(0));
+    EnabledDrive::new(PwmEncoder::unprepared(pins), Enable::new())
 }
 
 /// The pins of the motor.
@@ -61,6 +62,7 @@ pub(super) struct MotorPins {
     pub(super) pwm: Peri<'static, PE9>,
     pub(super) direction: Peri<'static, PE10>,
     pub(super) enable: Peri<'static, PE12>,
+    pub(super) brake: Peri<'static, PE15>,
     pub(super) encoder_a: Peri<'static, PD12>,
     pub(super) encoder_b: Peri<'static, PD13>,
     pub(super) index: Peri<'static, PD14>,
@@ -68,7 +70,8 @@ pub(super) struct MotorPins {
 
 /// Pins and timers in operation.
 pub(super) struct Motor {
-    _outputs: [Output<'static>; 2],
+    _direction: Output<'static>,
+    force: ForcePins,
     _timed: [Flex<'static>; 4],
 }
 
@@ -78,10 +81,6 @@ impl Motor {
         _timers: (Peri<'static, TIM1>, Peri<'static, TIM4>),
         pins: MotorPins,
     ) -> Self {
-        let outputs = [
-            Output::new(pins.enable, Level::Low, Speed::Low),
-            Output::new(pins.direction, Level::Low, Speed::Low),
-        ];
         rcc::enable_and_reset::<TIM1>();
         rcc::enable_and_reset::<TIM4>();
         start_pulses();
@@ -90,7 +89,8 @@ impl Motor {
         let tracks = AfType::input(Pull::Up);
         let mark = AfType::input(Pull::Down);
         Self {
-            _outputs: outputs,
+            _direction: Output::new(pins.direction, Level::Low, Speed::Low),
+            force: ForcePins::start(pins.enable, pins.brake),
             _timed: [
                 attach::<_, TIM1, Ch1>(pins.pwm, pulses),
                 attach::<_, TIM4, Ch1>(pins.encoder_a, tracks),
@@ -98,6 +98,28 @@ impl Motor {
                 attach::<_, TIM4, Ch3>(pins.index, mark),
             ],
         }
+    }
+
+    /// Takes the settings of brake, encoder and index mark over.
+    pub(super) fn set_inputs(&mut self, inputs: &InputSettings) {
+        let pulses = filter_of(inputs.shortest_pulse_ns);
+        self.force.set_brake(inputs.brake, pulses.to_bits());
+        let is_falling = inputs.index == Edge::Falling;
+        INDEX_LINE.pull(is_falling);
+        let timer = pac::TIM4;
+        timer.ccer().modify(|w| w.set_cce(INDEX, false));
+        let tracks = filter_of(inputs.shortest_track_ns);
+        timer.ccmr_input(0).modify(|w| {
+            for track in 0..2 {
+                w.set_icf(track, tracks);
+            }
+        });
+        timer
+            .ccmr_input(INDEX / 2)
+            .modify(|w| w.set_icf(INDEX % 2, pulses));
+        timer.ccer().modify(|w| w.set_ccp(INDEX, is_falling));
+        timer.sr().write_value(SrGp16(0));
+        timer.ccer().modify(|w| w.set_cce(INDEX, true));
     }
 }
 
@@ -117,10 +139,6 @@ fn start_pulses() {
     });
     timer.ccer().modify(|w| w.set_cce(0, true));
     timer.egr().write(|w| w.set_ug(true));
-    timer.bdtr().modify(|w| {
-        w.set_ossi(Ossi::IDLE_LEVEL);
-        w.set_moe(true);
-    });
     timer.cr1().modify(|w| w.set_cen(true));
 }
 
