@@ -78,8 +78,8 @@ impl<P: Port> Client<P> {
     /// Tells the camera that frame records up to this one are stored; returns how many are left.
     ///
     /// # Errors
-    /// [`LinkError::Refused`] for a camera that has not been prepared, and for a record that it does
-    /// not keep so.
+    /// [`LinkError::Refused`] for a camera that has not been prepared, and for a record that it
+    /// does not keep so.
     pub fn acknowledge(&mut self, through: FetchedRecord) -> Result<u32, LinkError> {
         let request = Request::Acknowledge(through);
         match self.ask(&request)? {
