@@ -15,7 +15,7 @@ use fmc_camera::geometry::frame_correction::Corrected;
 use fmc_camera::geometry::sensor::SensorPoint;
 use fmc_camera::io::link::deck::{FlightDeck, RigDeck};
 use fmc_camera::io::link::loading::Upload;
-use fmc_camera::io::link::message::{Answer, Header, Identity, Request, ResetCause};
+use fmc_camera::io::link::message::{Answer, FetchedRecord, Header, Identity, Request, ResetCause};
 use fmc_camera::io::link::packet::{Packet, PacketReceiver};
 use fmc_camera::io::link::station::Station;
 
@@ -138,7 +138,10 @@ fn works_for_the_next_host<Deck: FlightDeck>(station: &mut Station<Deck>) {
     let mut answers = Vec::new();
     let mut requests = vec![Request::Connect];
     // Unacknowledged records of a flight keep a camera from being loaded.
-    requests.extend([Request::Acknowledge(u32::MAX)]);
+    requests.extend([Request::Acknowledge(FetchedRecord {
+        sequence: u32::MAX,
+        crc: 0,
+    })]);
     requests.extend(Upload::of(&parameters).unwrap().requests());
     requests.push(Request::Expose(exposure));
     requests.push(Request::Correct(std::iter::once(point).collect()));

@@ -64,6 +64,10 @@ pub struct InputSettings {
     pub limit_switch: LimitLevel,
     /// The brake.
     pub brake: BrakeInput,
+    /// Speed of the satellite receiver's wire, bits/s.
+    pub receiver_baud: f32,
+    /// Speed of the autopilot's wire, bits/s.
+    pub autopilot_baud: f32,
 }
 
 impl Default for InputSettings {
@@ -78,6 +82,8 @@ impl Default for InputSettings {
             index: Edge::Rising,
             limit_switch: LimitLevel::High,
             brake: BrakeInput::Unused,
+            receiver_baud: 38_400.0,
+            autopilot_baud: 57_600.0,
         }
     }
 }
@@ -90,6 +96,8 @@ impl InputSettings {
     pub fn checked(self) -> Result<Self, OutOfRange> {
         Quantity::ShortestPulseNs.check(self.shortest_pulse_ns)?;
         Quantity::ShortestTrackNs.check(self.shortest_track_ns)?;
+        Quantity::ReceiverBaud.check(self.receiver_baud)?;
+        Quantity::AutopilotBaud.check(self.autopilot_baud)?;
         Ok(self)
     }
 }

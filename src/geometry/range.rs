@@ -152,6 +152,8 @@ quantities! {
     IndexSigmaUm = "index_sigma_um", 0.0, 1000.0;
     ShortestPulseNs = "shortest_pulse_ns", 0.0, 100_000.0;
     ShortestTrackNs = "shortest_track_ns", 0.0, 100_000.0;
+    ReceiverBaud = "receiver_baud", 2400.0, 1e6;
+    AutopilotBaud = "autopilot_baud", 2400.0, 1e6;
 }
 
 impl Quantity {

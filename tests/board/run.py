@@ -9,6 +9,7 @@ The image is the one that is flashed, unchanged. TEST is a name as `test_flight`
 import sys
 import unittest
 
+import test_client
 import test_clock
 import test_edges
 import test_flight
@@ -18,7 +19,7 @@ import test_start
 
 CLASSES = (
     test_start.Start, test_force.Force, test_memory.Memory, test_edges.Edges, test_clock.Clock,
-    test_flight.TenSeconds,
+    test_client.Client, test_flight.TenSeconds,
 )  # fmt: skip
 
 

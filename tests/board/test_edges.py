@@ -3,6 +3,7 @@
 import tempfile
 import unittest
 
+from bench import sentence
 from link import Link
 from support import MS, Flight, settings
 
@@ -83,6 +84,22 @@ class Edges(unittest.TestCase):
         self.assertEqual(chip.encoder.filter_ns(0), 40.0)
         self.assertEqual(self.flight.status()["unexpected_edges"], 0)
 
+    def test_wires_of_receiver_and_autopilot_run_at_the_speeds_of_the_settings(self):
+        chip = self.board.chip
+
+        def dividers():
+            return [port.registers[0x0C] for port in (chip.receiver, chip.autopilot)]
+
+        self.assertEqual(dividers(), [2604, 1736])
+        with tempfile.TemporaryDirectory() as folder:
+            lines = "[inputs]\nreceiver_baud = 9600\nautopilot_baud = 115200\n"
+            self.flight.prepare(settings(folder, lines))
+        self.assertEqual(dividers(), [10417, 868])
+        chip.receiver.put(sentence(5))
+        self.board.run(0.2)
+        receiver = self.flight.status()["instruments"]["receiver"]
+        self.assertEqual((receiver["read"], receiver["lost_bytes"]), (1, 0))
+
     def test_settings_that_are_refused_are_named_with_their_range(self):
         for text, parts in (
             ("shortest_pulse_ns = -1", ("shortest_pulse_ns", "0 to 100000")),
@@ -90,6 +107,8 @@ class Edges(unittest.TestCase):
             ('brake = "Sometimes"', ("Sometimes", "Unused")),
             ('trigger = "Both"', ("Both", "Falling")),
             ("filter = 3", ("inputs.filter",)),
+            ("receiver_baud = 300", ("receiver_baud", "2400 to 1000000")),
+            ("autopilot_baud = 2e6", ("autopilot_baud", "2400 to 1000000")),
         ):
             with tempfile.TemporaryDirectory() as folder, self.assertRaises(AssertionError) as said:
                 self.flight.prepare(settings(folder, f"[inputs]\n{text}\n"))

@@ -10,7 +10,7 @@ use fmc_camera::geometry::mesh::source_mesh::SourceMesh;
 use fmc_camera::geometry::mesh::vertex::VertexRow;
 use fmc_camera::geometry::sensor::SensorPoint;
 use fmc_camera::io::link::digest;
-use fmc_camera::io::link::message::{Answer, Grid, Header, Points, Request, ResetCause};
+use fmc_camera::io::link::message::{Answer, Ending, Grid, Header, Points, Request, ResetCause};
 use fmc_camera::io::link::station::LinkEvent;
 
 use crate::link::pc::{Pc, SESSION, STACK_USED, camera_parameters};
@@ -245,8 +245,8 @@ fn counters_tell_the_stack_and_the_overrun() {
 #[test]
 fn ending_is_announced_and_left_to_the_board() {
     for (request, event) in [
-        (Request::Reset, LinkEvent::Reset),
-        (Request::PowerOff, LinkEvent::PowerOff),
+        (Request::Reset(Ending::Orderly), LinkEvent::Reset),
+        (Request::PowerOff(Ending::Orderly), LinkEvent::PowerOff),
     ] {
         let mut pc = Pc::connected();
         assert_eq!(pc.ask(&request), Answer::Ending);

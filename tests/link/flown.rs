@@ -58,7 +58,7 @@ fn camera_is_flown_over_the_link_and_by_its_wires_alone() {
         Answer::FrameRecord(None)
     );
     assert_eq!(board.status().kept, 2);
-    assert_eq!(board.pc.ask(&Request::Acknowledge(2)), Answer::Kept(0));
+    assert_eq!(board.pc.acknowledge(2), Answer::Kept(0));
     let counts = board.status().counts;
     assert_eq!(
         (counts.triggers, counts.exposed, counts.lost_events),

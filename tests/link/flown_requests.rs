@@ -113,7 +113,7 @@ fn nothing_is_loaded_or_prepared_while_it_flies_without_force_on_the_stage() {
         );
     }
     // Records can still be taken.
-    assert_eq!(board.pc.ask(&Request::Acknowledge(0)), Answer::Kept(0));
+    assert_eq!(board.pc.acknowledge(0), Answer::Kept(0));
     board.command(Command::Disarm);
     for request in &long {
         let answer = board.pc.ask(request);

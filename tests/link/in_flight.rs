@@ -9,19 +9,36 @@ use fmc_camera::flight::settings::FlightSettings;
 use fmc_camera::flight::time::Time;
 use fmc_camera::flight::vh::VhSample;
 use fmc_camera::io::link::deck::FlightDeck;
-use fmc_camera::io::link::message::{Answer, Refusal, Request};
+use fmc_camera::io::link::message::{Answer, FetchedRecord, Refusal, Request};
 
 use crate::link::pc::{Pc, camera_parameters};
 
 /// A test rig with an ideal stage.
-struct Flight {
-    pc: Pc,
+pub(crate) struct Flight {
+    pub(crate) pc: Pc,
     now: Time,
     edges: Vec<(Time, Event)>,
 }
 
 impl Flight {
-    fn round(&mut self, event: Option<Event>) -> RigAnswer {
+    /// Returns a rig with a calibration.
+    pub(crate) fn loaded() -> Self {
+        Self {
+            pc: Pc::loaded(),
+            now: Time::START,
+            edges: Vec::new(),
+        }
+    }
+
+    /// Arms the prepared camera.
+    pub(crate) fn arm(&mut self) {
+        for command in [Command::ClearFault, Command::Referenced, Command::Arm] {
+            self.round(Some(Event::Command(command)));
+        }
+        self.run_until(State::Armed);
+    }
+
+    pub(crate) fn round(&mut self, event: Option<Event>) -> RigAnswer {
         self.now = self.now.plus_s(1e-3);
         let now = self.now;
         let controller = self.pc.station.deck_mut().controller().unwrap();
@@ -51,7 +68,7 @@ impl Flight {
         answer
     }
 
-    fn run_until(&mut self, state: State) {
+    pub(crate) fn run_until(&mut self, state: State) {
         for _ in 0..2000 {
             let vh = Event::Vh(VhSample::Direct(0.1));
             if self.round(Some(vh)).state == state {
@@ -67,7 +84,7 @@ impl Flight {
         self.pc.load(&camera)
     }
 
-    fn prepare(&mut self) -> Answer {
+    pub(crate) fn prepare(&mut self) -> Answer {
         self.pc.ask(&Request::Prepare(FlightSettings::default()))
     }
 }
@@ -117,7 +134,7 @@ fn calibration_waits_for_the_exposure_and_for_the_records_and_ends_the_flight() 
 
     assert_eq!(flight.prepare(), kept(2));
     assert_eq!(flight.load(3.9), kept(2));
-    assert_eq!(flight.pc.ask(&Request::Acknowledge(2)), Answer::Kept(0));
+    assert_eq!(flight.pc.acknowledge(2), Answer::Kept(0));
     let Answer::Loaded(second) = flight.load(3.9) else {
         panic!("not loaded");
     };
@@ -128,7 +145,10 @@ fn calibration_waits_for_the_exposure_and_for_the_records_and_ends_the_flight() 
         Request::Rig(RigStep::default()),
         Request::Status,
         Request::FrameRecord(0),
-        Request::Acknowledge(2),
+        Request::Acknowledge(FetchedRecord {
+            sequence: 2,
+            crc: 0,
+        }),
     ] {
         assert_eq!(flight.pc.ask(&request), not_prepared, "{request:?}");
     }

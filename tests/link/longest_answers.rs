@@ -13,10 +13,11 @@ use fmc_camera::flight::rig::RigAnswer;
 use fmc_camera::flight::time::Time;
 use fmc_camera::flight::utc::UtcTime;
 use fmc_camera::flight::vh::{VhEstimate, VhSource};
+use fmc_camera::io::instruments::counters::InstrumentCounters;
 use fmc_camera::io::link::digest;
-use fmc_camera::io::link::message::{Answer, Counters, Header, Request, Status};
+use fmc_camera::io::link::message::{Answer, Counters, Header, Identity, Request, Status};
 use fmc_camera::io::link::packet::Packet;
-use fmc_camera::io::link::{LONGEST_PACKET, LONGEST_PAYLOAD};
+use fmc_camera::io::link::{LONGEST_PACKET, LONGEST_READING};
 
 use crate::link::pc::{Pc, camera_parameters};
 
@@ -24,6 +25,9 @@ const HEADER: Header = Header {
     session: u32::MAX,
     sequence: u16::MAX,
 };
+
+/// Bytes of a packet around a message: version, header, number of the answer, COBS, length and CRC.
+const HEADERS: usize = 32;
 
 const LATE: Time = Time::from_us(u64::MAX);
 
@@ -141,6 +145,12 @@ fn longest_answers_of_a_flight_fit_a_packet() {
     ] {
         sent(&answer);
     }
-    // A status is counts, each of five bytes at most, and a calibration's identity.
-    assert!(5 * size_of::<Status>() / size_of::<u32>() < LONGEST_PAYLOAD);
+    // Status and counters of the wires are counts, each of five bytes at most, and a calibration's
+    // identity; a session for reading has less room than others.
+    let longest = |bytes: usize| 5 * bytes / size_of::<u32>() + HEADERS;
+    assert!(longest(size_of::<Status>()) < LONGEST_READING);
+    assert!(longest(size_of::<InstrumentCounters>()) < LONGEST_READING);
+    assert!(longest(size_of::<Identity>()) < LONGEST_READING);
+    let record = Answer::FrameRecord(Some((longest_record(), u32::MAX)));
+    assert!(sent(&record) < LONGEST_READING);
 }

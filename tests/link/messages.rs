@@ -28,7 +28,7 @@ use fmc_camera::io::instruments::counters::{
 };
 use fmc_camera::io::link::loading::Upload;
 use fmc_camera::io::link::message::{
-    Answer, Grid, Header, Identity, Part, Refusal, Request, ResetCause,
+    Answer, Ending, Grid, Header, Identity, Part, Refusal, Request, ResetCause,
 };
 use fmc_camera::io::link::packet::{Packet, PacketReceiver};
 use fmc_camera::io::link::{
@@ -309,7 +309,7 @@ fn requests_and_answers_keep_the_numbers_they_were_given() {
         (Request::Connect, 0),
         (Request::BeginLoad { length: 1, crc: 2 }, 1),
         (Request::LoadPart(part), 6),
-        (Request::Reset, 9),
+        (Request::Reset(Ending::Forced), 9),
         (Request::Fit, 13),
         (Request::Flown, 19),
         (Request::Tell(attitude), 20),
@@ -317,6 +317,7 @@ fn requests_and_answers_keep_the_numbers_they_were_given() {
         (Request::Corrections(LONGEST_MESH_ROW), 22),
         (begin_grid, 25),
         (Request::GridPart(grid_part), 26),
+        (Request::ConnectReading, 27),
     ] {
         let payload = payload_of(&packet(header, &request));
         assert_eq!(payload[3], number, "{request:?}");

@@ -18,6 +18,7 @@ mod flown_requests;
 mod fuzzed;
 mod grids;
 mod in_flight;
+mod keeping;
 mod loading;
 mod longest_answers;
 mod messages;

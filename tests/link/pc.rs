@@ -5,7 +5,7 @@ use fmc_camera::geometry::brown::Brown;
 use fmc_camera::geometry::calibration::CalibrationParameters;
 use fmc_camera::io::link::deck::{FlightDeck, RigDeck};
 use fmc_camera::io::link::loading::Upload;
-use fmc_camera::io::link::message::{Answer, Header, Identity, Request, ResetCause};
+use fmc_camera::io::link::message::{Answer, FetchedRecord, Header, Identity, Request, ResetCause};
 use fmc_camera::io::link::packet::{Packet, PacketReceiver};
 use fmc_camera::io::link::station::{LinkEvent, Station};
 
@@ -65,6 +65,15 @@ impl<Deck: FlightDeck> Pc<Deck> {
             last = Some(answer);
         }
         last.unwrap()
+    }
+
+    /// Fetches a record, and acknowledges the records up to it as they are.
+    pub(crate) fn acknowledge(&mut self, sequence: u32) -> Answer {
+        let crc = match self.ask(&Request::FrameRecord(sequence)) {
+            Answer::FrameRecord(Some((_, crc))) => crc,
+            _ => 0,
+        };
+        self.ask(&Request::Acknowledge(FetchedRecord { sequence, crc }))
     }
 
     /// Asks the next request of the session.

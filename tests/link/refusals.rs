@@ -10,7 +10,7 @@ use fmc_camera::geometry::mesh::vertex::{MeshError, VertexRow};
 use fmc_camera::geometry::range::Quantity;
 use fmc_camera::geometry::sensor::SensorPoint;
 use fmc_camera::io::link::message::{
-    Answer, Grid, Header, Identity, Points, Refusal, Request, ResetCause,
+    Answer, Ending, Grid, Header, Identity, Points, Refusal, Request, ResetCause,
 };
 use fmc_camera::io::link::station::{LinkEvent, Station};
 
@@ -296,7 +296,11 @@ fn session_of_another_host_ends_the_first() {
 #[test]
 fn before_a_session_only_connecting_is_answered_otherwise_than_by_refusal() {
     let mut pc = Pc::unconnected();
-    for request in [Request::Counters, Request::Reset, Request::PowerOff] {
+    for request in [
+        Request::Counters,
+        Request::Reset(Ending::Forced),
+        Request::PowerOff(Ending::Forced),
+    ] {
         assert_eq!(pc.ask(&request), Answer::Refused(Refusal::OtherSession));
         assert_eq!(pc.event, Some(LinkEvent::Refused(Refusal::OtherSession)));
     }
@@ -309,7 +313,7 @@ fn camera_without_a_power_switch_says_so() {
     pc.station = Station::new(identity, || 0);
     pc.ask(&Request::Connect);
     assert_eq!(
-        pc.ask(&Request::PowerOff),
+        pc.ask(&Request::PowerOff(Ending::Forced)),
         Answer::Refused(Refusal::NoPowerSwitch)
     );
 }

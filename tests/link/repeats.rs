@@ -1,7 +1,7 @@
 //! Requests that are repeated because their answer was lost.
 
 use fmc_camera::flight::exposure::Exposure;
-use fmc_camera::io::link::message::{Answer, Header, Refusal, Request};
+use fmc_camera::io::link::message::{Answer, Ending, Header, Refusal, Request};
 use fmc_camera::io::link::station::LinkEvent;
 
 use crate::link::pc::{Pc, SESSION};
@@ -69,7 +69,10 @@ fn connecting_under_a_header_that_was_refused_is_not_refused() {
 
 #[test]
 fn ending_that_is_asked_for_again_is_only_answered_again() {
-    for request in [Request::Reset, Request::PowerOff] {
+    for request in [
+        Request::Reset(Ending::Orderly),
+        Request::PowerOff(Ending::Orderly),
+    ] {
         let mut pc = Pc::connected();
         let header = next(&pc);
         pc.ask_as(header, &request);

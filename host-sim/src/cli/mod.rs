@@ -340,8 +340,9 @@ pub struct DeviceArgs {
     ///
     /// `sil`: in this program (software in the loop). `qemu` or `qemu:an386`: the firmware, on a
     /// Cortex-M4F in the emulator QEMU. `qemu:an500`: on a Cortex-M7. `serial:PATH`: a camera on a
-    /// serial port, such as `serial:/dev/ttyACM0`. Without this option `verify` takes `qemu`, or
-    /// `sil` where there is no QEMU; the other commands take `sil`.
+    /// serial port, such as `serial:/dev/ttyACM0`. `tcp:HOST:PORT`: a camera whose link another
+    /// program or a converter forwards. Without this option `verify` takes `qemu`, or `sil` where
+    /// there is no QEMU; the other commands take `sil`.
     #[arg(long, value_name = "DEVICE")]
     pub device: Option<DeviceName>,
     /// Image of the firmware for QEMU, an ELF file. Without it the variable `FMC_FIRMWARE`, else

@@ -72,7 +72,7 @@ pub(super) fn run(args: &CameraArgs) -> Result<(), Failure> {
         }
         CameraAction::Vh(vh) => tell_vh(args, vh),
         CameraAction::Status(StatusArgs { json }) => {
-            let mut device = args.device.open_flown()?;
+            let mut device = args.device.open_watched()?;
             let status = device.status().map_err(failed)?;
             let instruments = device.instruments().map_err(failed)?;
             output::write(None, |sink| {

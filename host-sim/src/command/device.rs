@@ -91,7 +91,8 @@ impl DeviceArgs {
     /// # Errors
     /// [`Failure`] where none is named, and where it cannot be opened.
     pub(super) fn open_records(&self) -> Result<Box<dyn RecordSource>, Failure> {
-        const WHICH: &str = "a camera that has flown is needed: name it with --device serial:PATH";
+        const WHICH: &str =
+            "a camera that has flown is needed: name it with --device serial:PATH or tcp:HOST:PORT";
         let name = self
             .device
             .as_ref()
@@ -107,14 +108,28 @@ impl DeviceArgs {
     /// # Errors
     /// [`Failure`] where none is named, and where it cannot be opened.
     pub(super) fn open_flown(&self) -> Result<Box<dyn FlownCamera>, Failure> {
-        const WHICH: &str = "a camera on a board is needed: name it with --device serial:PATH; `host-sim mission` flies simulated ones";
+        self.open_board(Opener::open_flown)
+    }
+
+    /// Opens a camera on a board for its status, beside a program that flies it.
+    ///
+    /// # Errors
+    /// As [`Self::open_flown`].
+    pub(super) fn open_watched(&self) -> Result<Box<dyn FlownCamera>, Failure> {
+        self.open_board(Opener::open_watched)
+    }
+
+    fn open_board(
+        &self,
+        open: fn(&Opener, &DeviceName) -> Result<Option<Box<dyn FlownCamera>>, OpenError>,
+    ) -> Result<Box<dyn FlownCamera>, Failure> {
+        const WHICH: &str = "a camera on a board is needed: name it with --device serial:PATH or tcp:HOST:PORT; `host-sim mission` flies simulated ones";
         let name = self
             .device
             .as_ref()
             .ok_or_else(|| Failure::bad_input(WHICH))?;
         self.check_options(name)?;
-        self.opener()
-            .open_flown(name)?
+        open(&self.opener(), name)?
             .ok_or_else(|| Failure::bad_input(format!("--device {name}: {WHICH}")))
     }
 
@@ -138,9 +153,11 @@ impl DeviceArgs {
         };
         match name {
             DeviceName::Qemu(_) => Ok(()),
-            DeviceName::Sil | DeviceName::Serial(_) => Err(Failure::bad_input(format!(
-                "{option} is for the firmware in QEMU, and the device is {name}: add --device qemu"
-            ))),
+            DeviceName::Sil | DeviceName::Serial(_) | DeviceName::Tcp(_) => {
+                Err(Failure::bad_input(format!(
+                    "{option} is for the firmware in QEMU, and the device is {name}: add --device qemu"
+                )))
+            }
         }
     }
 }

@@ -4,7 +4,7 @@ use std::io::ErrorKind;
 use std::time::{Duration, Instant};
 
 use fmc_camera::io::link::message::{
-    Answer, Counters, Header, Identity, Refusal, Request, Unreadable,
+    Answer, Counters, Ending, Header, Identity, Refusal, Request, Unreadable,
 };
 use fmc_camera::io::link::packet::{Packet, PacketReceiver};
 
@@ -67,15 +67,28 @@ impl<P: Port> Client<P> {
     /// # Errors
     /// [`LinkError`], as for every request.
     pub fn connect(&mut self) -> Result<Identity, LinkError> {
+        self.open(&Request::Connect)
+    }
+
+    /// Opens a session for reading under a random number, beside one that flies the camera; it ends
+    /// another for reading.
+    ///
+    /// # Errors
+    /// [`LinkError`], as for every request.
+    pub fn connect_reading(&mut self) -> Result<Identity, LinkError> {
+        self.open(&Request::ConnectReading)
+    }
+
+    fn open(&mut self, request: &Request) -> Result<Identity, LinkError> {
         self.given_up = None;
         self.last = Header {
             session: fastrand::u32(1..),
             // The first request has the number after this one: 0.
             sequence: u16::MAX,
         };
-        match self.ask(&Request::Connect)? {
+        match self.ask(request)? {
             Answer::Connected(identity) => Ok(identity),
-            _ => Err(self.unexpected(&Request::Connect)),
+            _ => Err(self.unexpected(request)),
         }
     }
 
@@ -94,17 +107,17 @@ impl<P: Port> Client<P> {
     /// of the next connection tells whether the reset was done.
     ///
     /// # Errors
-    /// [`LinkError`], as for every request.
-    pub fn reset(&mut self) -> Result<(), LinkError> {
-        self.ending(&Request::Reset)
+    /// [`LinkError::Refused`] where that would lose a flight or its records, unless it is forced.
+    pub fn reset(&mut self, ending: Ending) -> Result<(), LinkError> {
+        self.ending(&Request::Reset(ending))
     }
 
     /// Switches the camera off; the session ends.
     ///
     /// # Errors
-    /// [`LinkError::Refused`] where it cannot.
-    pub fn power_off(&mut self) -> Result<(), LinkError> {
-        self.ending(&Request::PowerOff)
+    /// [`LinkError::Refused`] where it cannot, and as [`Self::reset`].
+    pub fn power_off(&mut self, ending: Ending) -> Result<(), LinkError> {
+        self.ending(&Request::PowerOff(ending))
     }
 
     fn ending(&mut self, request: &Request) -> Result<(), LinkError> {
@@ -249,7 +262,7 @@ pub(super) const LOAD_GRID: &str = "load grid";
 /// Name of a request in messages.
 const fn name(request: &Request) -> &'static str {
     match request {
-        Request::Connect => "connect",
+        Request::Connect | Request::ConnectReading => "connect",
         Request::BeginLoad { .. } | Request::LoadPart(_) => LOAD,
         Request::Expose(_) => "expose",
         Request::InteriorOrientation => "frame record",
@@ -257,8 +270,8 @@ const fn name(request: &Request) -> &'static str {
         Request::Distort(_) => "distort",
         Request::Digest(_) => "digest",
         Request::Counters => "counters",
-        Request::Reset => "reset",
-        Request::PowerOff => "power off",
+        Request::Reset(_) => "reset",
+        Request::PowerOff(_) => "power off",
         Request::StartFit(_) => "start fit",
         Request::Observe(_) => "observe",
         Request::Fit => "fit",

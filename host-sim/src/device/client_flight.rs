@@ -7,7 +7,7 @@ use fmc_camera::flight::rig::{RigAnswer, RigStep};
 use fmc_camera::flight::settings::FlightSettings;
 use fmc_camera::io::instruments::WireBytes;
 use fmc_camera::io::instruments::counters::InstrumentCounters;
-use fmc_camera::io::link::message::{Answer, Request, Status};
+use fmc_camera::io::link::message::{Answer, FetchedRecord, Request, Status};
 
 use super::client::Client;
 use super::link_error::LinkError;
@@ -75,12 +75,12 @@ impl<P: Port> Client<P> {
         }
     }
 
-    /// Tells the camera that frame records up to this number are stored; returns how many are
-    /// left.
+    /// Tells the camera that frame records up to this one are stored; returns how many are left.
     ///
     /// # Errors
-    /// [`LinkError::Refused`] for a camera that has not been prepared.
-    pub fn acknowledge(&mut self, through: u32) -> Result<u32, LinkError> {
+    /// [`LinkError::Refused`] for a camera that has not been prepared, and for a record that it
+    /// does not keep so.
+    pub fn acknowledge(&mut self, through: FetchedRecord) -> Result<u32, LinkError> {
         let request = Request::Acknowledge(through);
         match self.ask(&request)? {
             Answer::Kept(left) => Ok(left),

@@ -23,6 +23,7 @@ mod remote_flight;
 pub mod serial;
 mod sil;
 mod stepper;
+pub mod tcp;
 mod wires;
 
 #[cfg(test)]

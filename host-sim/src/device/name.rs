@@ -51,6 +51,8 @@ pub enum DeviceName {
     Qemu(Machine),
     /// A camera on a serial port.
     Serial(PathBuf),
+    /// A camera whose link is forwarded over TCP: host and port.
+    Tcp(String),
 }
 
 impl DeviceName {
@@ -68,11 +70,20 @@ impl FromStr for DeviceName {
             Some(("qemu", "an386")) => Ok(Self::Qemu(Machine::An386)),
             Some(("qemu", "an500")) => Ok(Self::Qemu(Machine::An500)),
             Some(("serial", path)) if !path.is_empty() => Ok(Self::Serial(path.into())),
+            Some(("tcp", address)) if is_address(address) => Ok(Self::Tcp(address.to_owned())),
             _ => Err(
-                "not a device; there is: sil, qemu, qemu:an386, qemu:an500, serial:PATH".to_owned(),
+                "not a device; there is: sil, qemu, qemu:an386, qemu:an500, serial:PATH, tcp:HOST:PORT with a port of 1 to 65535"
+                    .to_owned(),
             ),
         }
     }
+}
+
+/// Returns true for a host and a port that could be those of a camera.
+fn is_address(text: &str) -> bool {
+    text.rsplit_once(':').is_some_and(|(host, port)| {
+        !host.is_empty() && port.parse::<u16>().is_ok_and(|port| port > 0)
+    })
 }
 
 impl fmt::Display for DeviceName {
@@ -81,6 +92,7 @@ impl fmt::Display for DeviceName {
             Self::Sil => f.write_str("sil"),
             Self::Qemu(machine) => write!(f, "qemu:{machine}"),
             Self::Serial(path) => write!(f, "serial:{}", path.display()),
+            Self::Tcp(address) => write!(f, "tcp:{address}"),
         }
     }
 }
@@ -97,6 +109,8 @@ mod tests {
             "qemu:an500",
             "serial:/dev/ttyACM0",
             "serial:COM3",
+            "tcp:camera.local:4000",
+            "tcp:[::1]:65535",
         ] {
             assert_eq!(name.parse::<DeviceName>().unwrap().to_string(), name);
         }
@@ -113,9 +127,15 @@ mod tests {
             "serial",
             "serial:",
             "tcp:1",
+            "tcp::4000",
+            "tcp:host:",
+            "tcp:host:0",
+            "tcp:host:65536",
+            "tcp:host:http",
         ] {
             let error = name.parse::<DeviceName>().unwrap_err();
             assert!(error.contains("serial:PATH"), "{name}: {error}");
+            assert!(error.contains("tcp:HOST:PORT"), "{name}: {error}");
         }
     }
 }

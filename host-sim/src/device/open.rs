@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use super::error::DeviceError;
 use super::link_error::LinkError;
 use super::qemu::{Qemu, QemuOptions};
-use super::{Device, DeviceName, FlownCamera, FlyingDevice, InProcess, RecordSource, serial};
+use super::{Device, DeviceName, FlownCamera, FlyingDevice, InProcess, RecordSource, serial, tcp};
 use crate::failure::Failure;
 
 /// Opener of devices.
@@ -34,10 +34,10 @@ pub enum OpenError {
         /// Fault of the file.
         what: String,
     },
-    /// A serial port, or the device on it, cannot be used.
+    /// A serial port or an address, or the device on it, cannot be used.
     #[error("{}: {what}", path.display())]
     Port {
-        /// The port.
+        /// The port, or host and port.
         path: PathBuf,
         /// Fault of the port or the device.
         what: String,
@@ -98,6 +98,7 @@ impl Opener {
             DeviceName::Sil => Box::new(InProcess::default()),
             DeviceName::Qemu(machine) => Box::new(Qemu::start(*machine, &self.qemu)?),
             DeviceName::Serial(path) => Box::new(serial::connect(path)?),
+            DeviceName::Tcp(address) => Box::new(tcp::connect(address)?),
         })
     }
 
@@ -113,6 +114,7 @@ impl Opener {
             DeviceName::Sil => Box::new(InProcess::default()),
             DeviceName::Qemu(machine) => Box::new(Qemu::start(*machine, &self.qemu)?),
             DeviceName::Serial(path) => Box::new(serial::connect(path)?),
+            DeviceName::Tcp(address) => Box::new(tcp::connect(address)?),
         })
     }
 
@@ -128,7 +130,8 @@ impl Opener {
         Ok(match name {
             DeviceName::Sil => None,
             DeviceName::Qemu(machine) => Some(Box::new(Qemu::start(*machine, &self.qemu)?)),
-            DeviceName::Serial(path) => Some(Box::new(serial::connect(path)?)),
+            DeviceName::Serial(path) => Some(Box::new(serial::connect_reading(path)?)),
+            DeviceName::Tcp(address) => Some(Box::new(tcp::connect_reading(address)?)),
         })
     }
 
@@ -140,6 +143,23 @@ impl Opener {
         Ok(match name {
             DeviceName::Sil | DeviceName::Qemu(_) => None,
             DeviceName::Serial(path) => Some(Box::new(serial::connect(path)?)),
+            DeviceName::Tcp(address) => Some(Box::new(tcp::connect(address)?)),
+        })
+    }
+
+    /// Opens a camera on a board for its status alone, beside a session that flies it; `None` for a
+    /// device without a mechanism.
+    ///
+    /// # Errors
+    /// As [`Self::open`].
+    pub fn open_watched(
+        &self,
+        name: &DeviceName,
+    ) -> Result<Option<Box<dyn FlownCamera>>, OpenError> {
+        Ok(match name {
+            DeviceName::Sil | DeviceName::Qemu(_) => None,
+            DeviceName::Serial(path) => Some(Box::new(serial::connect_reading(path)?)),
+            DeviceName::Tcp(address) => Some(Box::new(tcp::connect_reading(address)?)),
         })
     }
 }

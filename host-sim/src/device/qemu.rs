@@ -19,7 +19,7 @@ use fmc_camera::geometry::mesh::pixel_correction::PixelCorrection;
 use fmc_camera::geometry::mesh::vertex::VertexRow;
 use fmc_camera::geometry::sensor::SensorPoint;
 use fmc_camera::io::instruments::counters::InstrumentCounters;
-use fmc_camera::io::link::message::{Counters, Grid};
+use fmc_camera::io::link::message::{Counters, Ending, Grid};
 use fmc_camera_file::GridFiles;
 use fmc_simulation::mission::wire::WireTraffic;
 
@@ -288,7 +288,8 @@ impl FlyingDevice for Qemu {
 
 impl Drop for Qemu {
     fn drop(&mut self) {
-        if self.remote.power_off().is_ok() {
+        // The emulator and its records end with this program.
+        if self.remote.power_off(Ending::Forced).is_ok() {
             self.watch.process.wait_or_kill();
         }
     }

@@ -27,7 +27,7 @@ pub trait RecordSource {
     /// Returns how many are left.
     ///
     /// # Errors
-    /// [`DeviceError`] where the link fails.
+    /// [`DeviceError`] where the link fails, and for a record that was not fetched.
     fn are_safe(&mut self, through: u32) -> Result<u32, DeviceError>;
 }
 

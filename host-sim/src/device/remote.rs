@@ -1,5 +1,7 @@
 //! A camera at the other end of a link, checked against its twin in this process.
 
+use std::collections::BTreeMap;
+
 use fmc_camera::flight::calibration_id::CalibrationId;
 use fmc_camera::flight::camera::CameraParameters;
 use fmc_camera::flight::exposure::Exposure;
@@ -11,7 +13,9 @@ use fmc_camera::geometry::mesh::pixel_correction::PixelCorrection;
 use fmc_camera::geometry::mesh::vertex::VertexRow;
 use fmc_camera::geometry::sensor::SensorPoint;
 use fmc_camera::io::link::MAX_POINTS;
-use fmc_camera::io::link::message::{Counters, Grid, Identity, Points, Refusal, ResetCause};
+use fmc_camera::io::link::message::{
+    Counters, Ending, Grid, Identity, Points, Refusal, ResetCause,
+};
 use fmc_camera_file::{GridFiles, GridRefusal};
 use serde::Serialize;
 
@@ -37,6 +41,8 @@ pub struct Remote<P> {
     exposure: Option<Exposure>,
     /// Residual grids of the camera that is loaded next.
     grids: GridFiles,
+    /// CRC-32 of the records that were fetched and are not acknowledged, by their numbers.
+    pub(super) fetched: BTreeMap<u32, u32>,
     evidence: Evidence,
 }
 
@@ -55,8 +61,25 @@ impl<P: Port> Remote<P> {
     /// # Errors
     /// [`DeviceError::Link`] where it does not answer as a camera of this protocol.
     pub fn connect(name: &str, port: P) -> Result<Self, DeviceError> {
+        Self::of(name, port, Client::connect)
+    }
+
+    /// Connects to a camera that another session may be flying, which goes on: for its status and
+    /// its records alone.
+    ///
+    /// # Errors
+    /// As [`Self::connect`].
+    pub fn connect_reading(name: &str, port: P) -> Result<Self, DeviceError> {
+        Self::of(name, port, Client::connect_reading)
+    }
+
+    fn of(
+        name: &str,
+        port: P,
+        open: fn(&mut Client<P>) -> Result<Identity, LinkError>,
+    ) -> Result<Self, DeviceError> {
         let mut client = Client::new(port);
-        let identity = client.connect().map_err(|error| DeviceError::Link {
+        let identity = open(&mut client).map_err(|error| DeviceError::Link {
             device: name.to_owned(),
             error,
         })?;
@@ -68,6 +91,7 @@ impl<P: Port> Remote<P> {
             wires: None,
             exposure: None,
             grids: GridFiles::default(),
+            fetched: BTreeMap::new(),
             evidence: Evidence::default(),
         })
     }
@@ -103,9 +127,12 @@ impl<P: Port> Remote<P> {
     /// Starts the camera again and connects to it; calibration and frame are gone.
     ///
     /// # Errors
-    /// [`DeviceError::Link`] where it does not come back.
+    /// [`DeviceError::Link`] where it does not come back, or is armed or in flight;
+    /// [`DeviceError::RecordsKept`].
     pub fn reset(&mut self) -> Result<(), DeviceError> {
-        self.client.reset().map_err(|error| self.failed(error, 0))?;
+        self.client
+            .reset(Ending::Orderly)
+            .map_err(|error| self.failed(error, 0))?;
         self.reconnect()?;
         if self.identity.reset_cause == ResetCause::Requested {
             Ok(())
@@ -127,16 +154,17 @@ impl<P: Port> Remote<P> {
             .map_err(|error| self.failed(error, 0))?;
         self.twin = InProcess::default();
         self.exposure = None;
+        self.fetched.clear();
         Ok(())
     }
 
     /// Switches the camera off.
     ///
     /// # Errors
-    /// [`DeviceError::Link`] where it cannot.
-    pub fn power_off(&mut self) -> Result<(), DeviceError> {
+    /// [`DeviceError::Link`] where it cannot, and as [`Self::reset`] unless it is forced.
+    pub fn power_off(&mut self, ending: Ending) -> Result<(), DeviceError> {
         self.client
-            .power_off()
+            .power_off(ending)
             .map_err(|error| self.failed(error, 0))
     }
 

@@ -14,7 +14,7 @@ use fmc_camera::flight::time::Time;
 use fmc_camera::io::instruments::counters::InstrumentCounters;
 use fmc_camera::io::link::digest;
 use fmc_camera::io::link::message;
-use fmc_camera::io::link::message::{Counters, Refusal};
+use fmc_camera::io::link::message::{Counters, FetchedRecord, Refusal};
 use fmc_camera_file::GridFiles;
 use fmc_simulation::mission::wire::WireTraffic;
 
@@ -42,6 +42,7 @@ impl<P: Port> Remote<P> {
             return Ok(None);
         };
         if digest::of_frame_record(&record) == Some(crc) {
+            self.fetched.insert(record.sequence, crc);
             Ok(Some(record))
         } else {
             Err(self.failed(LinkError::RecordCrc(record.sequence), 0))
@@ -50,12 +51,39 @@ impl<P: Port> Remote<P> {
 
     /// Tells the camera that records up to that number are stored. Returns how many are left.
     ///
+    /// The record of the last trigger that was refused for want of room changes with the next one:
+    /// if it is not accepted, the records before are acknowledged first, and then it by its number.
+    ///
     /// # Errors
-    /// [`DeviceError::Link`].
+    /// [`DeviceError::Link`], also for a record that was not fetched.
     pub fn acknowledge_records(&mut self, through: u32) -> Result<u32, DeviceError> {
-        self.client
-            .acknowledge(through)
-            .map_err(|error| self.failed(error, 0))
+        let fetched: Vec<FetchedRecord> = self
+            .fetched
+            .range(..=through)
+            .map(|(&sequence, &crc)| FetchedRecord { sequence, crc })
+            .collect();
+        let last = fetched.last().filter(|last| last.sequence == through);
+        let last = last.copied().unwrap_or(FetchedRecord {
+            sequence: through,
+            crc: 0,
+        });
+        let mut left = self.client.acknowledge(last);
+        if let Err(LinkError::Refused {
+            refusal: Refusal::NotFetched { .. },
+            ..
+        }) = left
+        {
+            let earlier = fetched.iter().rev().skip(1);
+            for fetched in earlier {
+                if self.client.acknowledge(*fetched).is_ok() {
+                    break;
+                }
+            }
+            left = self.client.acknowledge(last);
+        }
+        let left = left.map_err(|error| self.failed(error, 0))?;
+        self.fetched.retain(|&sequence, _| sequence > through);
+        Ok(left)
     }
 
     /// Returns the kind of start of the camera's flight: the first flight after a watchdog reset

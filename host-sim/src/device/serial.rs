@@ -107,9 +107,24 @@ impl Port for SerialPort {
 /// # Errors
 /// [`OpenError::Port`] where the port cannot be opened, or the device on it is not a camera.
 pub fn connect(path: &Path) -> Result<Remote<SerialPort>, OpenError> {
+    open(path, Remote::connect)
+}
+
+/// Opens a port and connects to the camera on it for reading, as [`Remote::connect_reading`].
+///
+/// # Errors
+/// As [`connect`].
+pub fn connect_reading(path: &Path) -> Result<Remote<SerialPort>, OpenError> {
+    open(path, Remote::connect_reading)
+}
+
+fn open(
+    path: &Path,
+    session: fn(&str, SerialPort) -> Result<Remote<SerialPort>, DeviceError>,
+) -> Result<Remote<SerialPort>, OpenError> {
     let port = SerialPort::open(path)?;
     let name = format!("serial:{}", path.display());
-    Remote::connect(&name, port).map_err(|error| match error {
+    session(&name, port).map_err(|error| match error {
         DeviceError::Link { error, .. }
             if !matches!(error, LinkError::OtherProtocol(_) | LinkError::Closed) =>
         {

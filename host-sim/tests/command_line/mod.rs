@@ -119,6 +119,7 @@ mod sweep;
 mod table_width;
 #[cfg(test)]
 #[cfg(unix)]
+mod tcp;
 mod terminal;
 #[cfg(test)]
 mod verify;

@@ -288,6 +288,7 @@ fn after_the_watchdog_the_camera_is_in_that_fault_until_it_is_cleared() {
     assert_eq!(flight.expose(), 2);
     flight.round(Some(Event::Command(Command::Disarm)));
     // The fault is reported once, so the next flight begins in standby.
+    flight.fetched(2);
     assert_eq!(flight.device.acknowledge(2), Ok(0));
     let mut flight = Flight::prepared(flight.device);
     flight.round(None);

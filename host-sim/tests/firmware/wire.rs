@@ -6,7 +6,7 @@ use std::thread;
 use std::time::Duration;
 use std::{env, fs};
 
-use fmc_camera::io::link::message::ResetCause;
+use fmc_camera::io::link::message::{Ending, ResetCause};
 use host_sim::device::block_port::BlockPort;
 use host_sim::device::client::Client;
 use host_sim::device::machine::{self, Started};
@@ -94,7 +94,7 @@ fn power_off_ends_qemu_with_success_after_the_answer() {
         } = start(machine);
         let mut client = Client::new(TcpPort::new(link).unwrap());
         client.connect().unwrap();
-        client.power_off().unwrap();
+        client.power_off(Ending::Orderly).unwrap();
         let end = process.end().unwrap();
         assert!(end.contains("exit status: 0"), "{end}");
     }
@@ -161,7 +161,7 @@ fn log_names_board_build_and_cause_of_the_start() {
         } = start(machine);
         let mut client = Client::new(TcpPort::new(link).unwrap());
         let identity = client.connect().unwrap();
-        client.power_off().unwrap();
+        client.power_off(Ending::Orderly).unwrap();
         let mut bytes = Vec::new();
         log.read_to_end(&mut bytes).unwrap();
         let elf = fs::read(image()).unwrap();

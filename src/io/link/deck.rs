@@ -1,13 +1,14 @@
 //! Deck of the link: a camera on a test rig, or that of a board ([`FlownDeck`]).
 
-use super::message::{self, Refusal, Status};
+use super::digest;
+use super::message::{self, FetchedRecord, Refusal, Status};
 use crate::flight::camera::{self, Camera};
 use crate::flight::clock_drift::ClockDrift;
 use crate::flight::controller::{Controller, ControllerError, Start};
 use crate::flight::drive::flown_drive::FlownDrive;
 use crate::flight::event::Event;
 use crate::flight::flown_deck::{FlownDeck, NotFlyable, NotTaken};
-use crate::flight::frame_record::FrameRecord;
+use crate::flight::frame_record::{FrameRecord, Outcome, Reason};
 use crate::flight::rig::{Rig, RigAnswer, RigStep};
 use crate::flight::settings::FlightSettings;
 use crate::io::instruments::{Instruments, Wire, WireBytes};
@@ -260,9 +261,32 @@ pub(super) fn record(deck: &impl FlightDeck, from: u32) -> Result<Option<FrameRe
     Ok(controller.record(from))
 }
 
-pub(super) fn acknowledge(deck: &mut impl FlightDeck, through: u32) -> Result<u32, Refusal> {
+/// Forgets the records up to one that has been fetched; returns the number of those left.
+///
+/// Triggers that were refused for want of room have no contents of their own: once all other
+/// records are forgotten, their number suffices, as the record of the last of them changes with the
+/// next.
+pub(super) fn acknowledge(
+    deck: &mut impl FlightDeck,
+    fetched: FetchedRecord,
+) -> Result<u32, Refusal> {
     let controller = deck.controller_mut().ok_or(Refusal::NotPrepared)?;
-    Ok(controller.acknowledge(through))
+    let FetchedRecord { sequence, crc } = fetched;
+    let oldest = controller.record(0).filter(|it| it.sequence <= sequence);
+    if let Some(oldest) = oldest {
+        let last = controller.record(sequence);
+        let is_fetched = last.is_some_and(|last| {
+            let has_no_contents =
+                |it: &FrameRecord| it.outcome == Outcome::Refused(Reason::RecordsFull);
+            last.sequence == sequence
+                && (digest::of_frame_record(&last) == Some(crc)
+                    || has_no_contents(&oldest) && has_no_contents(&last))
+        });
+        if !is_fetched {
+            return Err(Refusal::NotFetched { sequence });
+        }
+    }
+    Ok(controller.acknowledge(sequence))
 }
 
 pub(super) fn status(deck: &impl FlightDeck) -> Result<Status, Refusal> {

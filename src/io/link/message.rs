@@ -79,9 +79,9 @@ pub enum Request {
     /// Reads the counts of the link since the camera started.
     Counters,
     /// Starts the camera again; a volatile calibration is lost.
-    Reset,
+    Reset(Ending),
     /// Switches the camera off, if it can.
-    PowerOff,
+    PowerOff(Ending),
     /// Starts an adjustment of the five coefficients; ends another.
     StartFit(FitOptions),
     /// Adds observations to the adjustment.
@@ -95,8 +95,9 @@ pub enum Request {
     Rig(RigStep),
     /// Reads the oldest frame record with this number or a higher one.
     FrameRecord(u32),
-    /// Acknowledges all frame records up to this number, which are safe on the PC.
-    Acknowledge(u32),
+    /// Acknowledges all frame records up to this one, which are safe on the PC: the camera forgets
+    /// them. What it forgot earlier may be acknowledged again.
+    Acknowledge(FetchedRecord),
     /// Reads the state of the camera.
     Status,
     /// Makes the last exposed frame of the flight the current one; the points that follow belong to
@@ -127,6 +128,28 @@ pub enum Request {
     },
     /// The next part of the grid announced.
     GridPart(Part<MAX_GRID_PART>),
+    /// Opens a session for reading beside the open one, which goes on; ends another for reading. It
+    /// takes [`Self::Counters`], [`Self::Instruments`], [`Self::Status`], [`Self::FrameRecord`] and
+    /// [`Self::Acknowledge`], in any order and as often as wanted.
+    ConnectReading,
+}
+
+/// Way in which a camera is started again or switched off.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Ending {
+    /// Refused while the camera is armed or flies, and while frame records are not acknowledged.
+    Orderly,
+    /// Whatever is lost.
+    Forced,
+}
+
+/// A frame record that the PC has fetched.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct FetchedRecord {
+    /// Its number.
+    pub sequence: u32,
+    /// Its CRC-32, by [`super::digest::of_frame_record`].
+    pub crc: u32,
 }
 
 /// An answer of the camera.

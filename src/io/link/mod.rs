@@ -26,6 +26,11 @@
 //! the other: a repeated request is answered again, from memory and without being acted on twice,
 //! so that the PC may repeat a request that was not answered; any other number is refused.
 //!
+//! A [`message::Request::ConnectReading`] opens a second session beside it, for reading alone:
+//! status, counters, and frame records with their acknowledgement. It ends neither session nor
+//! flight of the other. Its requests may be repeated, so that they are answered anew, whatever
+//! their numbers.
+//!
 //! The camera acts only on a whole packet with the right CRC, of this version, that decodes to its
 //! last byte, from the open session and in order. Everything else is counted
 //! ([`message::Counters`]).
@@ -72,6 +77,9 @@ pub const MAX_GRID_PART: usize = 8 * MAX_POINTS;
 
 /// Longest payload, bytes: [`MAX_POINTS`] answers of four numbers, and the fields around them.
 pub const LONGEST_PAYLOAD: usize = 16 * MAX_POINTS + 16;
+
+/// Longest packet of an answer that a session for reading asks for, bytes.
+pub const LONGEST_READING: usize = 448;
 
 /// Bytes of a CRC on the wire.
 pub(crate) const CRC_BYTES: usize = 5;

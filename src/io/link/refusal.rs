@@ -138,6 +138,14 @@ pub enum Refusal {
     /// Vertices of the recorded image are drawn by the polynomial's differences, which residual
     /// grids do not have.
     PolynomialMesh,
+    /// The record is not kept as it was acknowledged: none is forgotten that has not been fetched
+    /// as it is now.
+    NotFetched {
+        /// Its number.
+        sequence: u32,
+    },
+    /// The session is for reading.
+    ReadingOnly,
 }
 
 impl fmt::Display for Refusal {
@@ -214,6 +222,10 @@ impl fmt::Display for Refusal {
             Self::NoGridMemory => f.write_str("it has no memory for residual grids"),
             Self::Grid { carrier, error } => write!(f, "residual grid of the {carrier}: {error}"),
             Self::Grids(error) => error.fmt(f),
+            Self::NotFetched { sequence } => {
+                write!(f, "record {sequence} has not been fetched as it is kept")
+            }
+            Self::ReadingOnly => f.write_str("the session is for reading alone"),
             Self::PolynomialMesh => f.write_str(
                 "vertices of the recorded image cannot be drawn with residual grids: take sources",
             ),

@@ -2,20 +2,18 @@
 
 use heapless::Vec;
 
+use super::LONGEST_READING;
 use super::contents::Contents;
 use super::message::{self, Answer, Header, Refusal};
 use super::packet::Packet;
-
-/// Room for the refusal of a message that is not the next of the session, which holds a number at
-/// most.
-const ASIDE: usize = 32;
 
 /// The packet that is on its way, of two.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Which {
     /// The answer to the last request of the session.
     Answer,
-    /// The refusal of a message that is not the next of the session.
+    /// The refusal of a message that is not the next of the session, or an answer of a session for
+    /// reading.
     Aside,
 }
 
@@ -25,9 +23,8 @@ pub(super) struct Reply {
     /// The request to which the kept answer belongs.
     kept: Option<Header>,
     answer: Packet,
-    /// The refusal of a message that is not the next of the session: the answer stays meanwhile,
-    /// and can be asked for again.
-    aside: Vec<u8, ASIDE>,
+    /// The packet of [`Which::Aside`]: the answer stays meanwhile, and can be asked for again.
+    aside: Vec<u8, LONGEST_READING>,
     which: Which,
     sent: usize,
 }
@@ -74,15 +71,18 @@ impl Reply {
 
     /// Sends a refusal that is not an answer within the session.
     pub(super) fn refuse_aside(&mut self, header: Header, refusal: Refusal) {
+        self.send_aside(header, &Answer::Refused(refusal));
+    }
+
+    /// Sends an answer that is not kept.
+    #[inline(never)]
+    pub(super) fn send_aside(&mut self, header: Header, answer: &Answer) {
         self.which = Which::Aside;
         self.sent = 0;
         self.aside.clear();
         let mut packet = Packet::EMPTY;
-        // These refusals fit.
-        if Answer::Refused(refusal)
-            .write(header, &mut packet)
-            .is_some()
-        {
+        // All that are sent so fit.
+        if answer.write(header, &mut packet).is_some() {
             let _ = self.aside.extend_from_slice(packet.bytes());
         }
     }

@@ -6,7 +6,7 @@ use super::fitting::Fitting;
 use super::grid_loading::{GridLoading, GridProgress};
 use super::link_event::LinkEvent;
 use super::loading::Loading;
-use super::message::{Answer, Counters, Header, Identity, Refusal, Request, Unreadable};
+use super::message::{Answer, Counters, Ending, Header, Identity, Refusal, Request, Unreadable};
 use super::packet::Damage;
 use super::point_correction::PointCorrection;
 use super::reply::Reply;
@@ -27,6 +27,8 @@ pub(super) struct Responder<Deck> {
     pub(super) stack_used_bytes: fn() -> u32,
     /// The last request of the session that was answered.
     pub(super) last: Option<Header>,
+    /// The session for reading that is open beside it.
+    pub(super) reading: Option<u32>,
     pub(super) loading: Loading,
     pub(super) grids: GridLoading,
     pub(super) frame: Option<camera::Frame>,
@@ -85,6 +87,9 @@ impl<Deck: FlightDeck> Responder<Deck> {
     fn answer_other(&mut self, header: Header, rest: &[u8]) -> LinkEvent {
         let (body, is_whole) = message::body::<Request>(rest);
         let request = body.as_ref().ok().filter(|_| is_whole);
+        if let Some(event) = self.answer_reading(header, request) {
+            return event;
+        }
         let admitted = match request {
             Some(Request::Connect) if !self.reply.is_kept(header) => Ok(()),
             _ => self.admit(header),
@@ -163,10 +168,7 @@ impl<Deck: FlightDeck> Responder<Deck> {
                 self.loading.end();
                 self.grids.end();
                 event = LinkEvent::Connected(header.session);
-                Answer::Connected(Identity {
-                    calibration: self.deck.camera().and_then(Camera::id),
-                    ..self.identity.clone()
-                })
+                self.connected()
             }
             Request::BeginLoad { .. }
             | Request::LoadPart(_)
@@ -199,16 +201,17 @@ impl<Deck: FlightDeck> Responder<Deck> {
                 batch::on_sensor(correction.polynomial(), grid.points())?;
                 Answer::Digest(correction.digest(grid))
             }
-            Request::Counters => Answer::Counters(self.counters()),
-            Request::Reset => {
+            Request::Reset(ending) => {
+                self.check_ending(*ending)?;
                 event = LinkEvent::Reset;
                 Answer::Ending
             }
-            Request::PowerOff if self.identity.power_switch => {
+            Request::PowerOff(ending) if self.identity.power_switch => {
+                self.check_ending(*ending)?;
                 event = LinkEvent::PowerOff;
                 Answer::Ending
             }
-            Request::PowerOff => return Err(Refusal::NoPowerSwitch),
+            Request::PowerOff(_) => return Err(Refusal::NoPowerSwitch),
             Request::StartFit(options) => {
                 deck::check_idle(&self.deck)?;
                 Answer::Observed(self.fitting.start(self.deck.camera(), *options)?)
@@ -222,20 +225,17 @@ impl<Deck: FlightDeck> Responder<Deck> {
                 Answer::Fitted(self.fitting.fit()?)
             }
             // These are answered apart, without the stack that this function takes.
-            Request::Prepare(_) | Request::Rig(_) | Request::Wired(..) => {
+            Request::Prepare(_)
+            | Request::Rig(_)
+            | Request::Wired(..)
+            | Request::ConnectReading => {
                 return Err(Refusal::Unknown);
             }
-            Request::Instruments => Answer::Instruments(
-                self.deck
-                    .instruments()
-                    .ok_or(Refusal::NoInstruments)?
-                    .counters(),
-            ),
-            Request::FrameRecord(from) => Answer::FrameRecord(self.frame_record(*from)?),
-            Request::Acknowledge(through) => {
-                Answer::Kept(deck::acknowledge(&mut self.deck, *through)?)
-            }
-            Request::Status => Answer::Status(deck::status(&self.deck)?),
+            Request::Counters
+            | Request::Instruments
+            | Request::FrameRecord(_)
+            | Request::Acknowledge(_)
+            | Request::Status => self.read(request)?,
             Request::Flown => {
                 let (sequence, frame) = deck::latest(&self.deck).ok_or(Refusal::NoFrame)?;
                 self.frame = Some(frame);
@@ -248,6 +248,75 @@ impl<Deck: FlightDeck> Responder<Deck> {
         };
         self.reply.send(header, &answer);
         Ok(event)
+    }
+
+    /// Identity of the camera.
+    fn connected(&self) -> Answer {
+        Answer::Connected(Identity {
+            calibration: self.deck.camera().and_then(Camera::id),
+            ..self.identity.clone()
+        })
+    }
+
+    /// Checks that the camera may be ended.
+    fn check_ending(&self, ending: Ending) -> Result<(), Refusal> {
+        match ending {
+            Ending::Orderly => deck::check_over(&self.deck),
+            Ending::Forced => Ok(()),
+        }
+    }
+
+    /// Acts on a request that a session for reading may make.
+    #[inline(never)]
+    fn read(&mut self, request: &Request) -> Result<Answer, Refusal> {
+        Ok(match request {
+            Request::Counters => Answer::Counters(self.counters()),
+            Request::Instruments => Answer::Instruments(
+                self.deck
+                    .instruments()
+                    .ok_or(Refusal::NoInstruments)?
+                    .counters(),
+            ),
+            Request::FrameRecord(from) => Answer::FrameRecord(self.frame_record(*from)?),
+            Request::Acknowledge(fetched) => {
+                Answer::Kept(deck::acknowledge(&mut self.deck, *fetched)?)
+            }
+            Request::Status => Answer::Status(deck::status(&self.deck)?),
+            _ => return Err(Refusal::ReadingOnly),
+        })
+    }
+
+    /// Answers a request of the session for reading, or opens it; `None` if it is of another. Its
+    /// requests may be made again, so that no answer is kept for them, and that of the other
+    /// session stays.
+    #[inline(never)]
+    fn answer_reading(&mut self, header: Header, request: Option<&Request>) -> Option<LinkEvent> {
+        let opens = matches!(request, Some(Request::ConnectReading));
+        let is_of_other = self.last.is_some_and(|last| last.session == header.session);
+        if is_of_other || !opens && self.reading != Some(header.session) {
+            return None;
+        }
+        let answer = match request {
+            Some(_) if opens => {
+                self.reading = Some(header.session);
+                Ok(self.connected())
+            }
+            Some(request) => self.read(request),
+            None => Err(Refusal::Unknown),
+        };
+        let event = match &answer {
+            Ok(_) if opens => LinkEvent::Connected(header.session),
+            Ok(_) => LinkEvent::Answered,
+            Err(refusal) => LinkEvent::Refused(*refusal),
+        };
+        count(match answer {
+            Ok(_) => &mut self.counters.done,
+            Err(Refusal::Unknown) => &mut self.counters.unknown,
+            Err(_) => &mut self.counters.refused,
+        });
+        let answer = answer.unwrap_or_else(Answer::Refused);
+        self.reply.send_aside(header, &answer);
+        Some(event)
     }
 
     /// Answers a request for points of the current frame.

@@ -46,6 +46,7 @@ impl<Deck: FlightDeck> Station<Deck> {
                 stack_used_bytes,
                 deck,
                 last: None,
+                reading: None,
                 loading: Loading::NONE,
                 grids: GridLoading::NONE,
                 frame: None,

@@ -21,7 +21,7 @@ macro_rules! settings {
     };
 }
 
-const SETTINGS: [(&str, Field); 32] = settings![
+const SETTINGS: [(&str, Field); 34] = settings![
     exposure_s,
     smear_budget_px,
     speed_tolerance_percent,
@@ -54,6 +54,8 @@ const SETTINGS: [(&str, Field); 32] = settings![
     drive.velocity_loop.duty_delay_s,
     inputs.shortest_pulse_ns,
     inputs.shortest_track_ns,
+    inputs.receiver_baud,
+    inputs.autopilot_baud,
 ];
 
 /// Returns true if the settings are accepted with this value of one of them.
@@ -141,6 +143,8 @@ fn settings_without_a_range_are_named() {
                 index: _,
                 limit_switch: _,
                 brake: _,
+                receiver_baud: _,
+                autopilot_baud: _,
             },
     } = FlightSettings::default();
     for name in [

@@ -1,6 +1,6 @@
 //! Sessions: their beginning, and what ends them.
 
-use fmc_camera::io::link::message::{Answer, Refusal, ResetCause};
+use fmc_camera::io::link::message::{Answer, Ending, Refusal, ResetCause};
 
 use super::{EXPOSURE, camera, exposed, link_error, points};
 use crate::device::CorrectingDevice;
@@ -98,7 +98,7 @@ fn closed_port_is_an_error_at_once() {
 fn power_off_ends_the_session() {
     let mut client = Client::new(FaultyPort::new([]));
     client.connect().unwrap();
-    client.power_off().unwrap();
+    client.power_off(Ending::Orderly).unwrap();
     assert_eq!(client.counters(), Err(LinkError::SessionEnded));
 }
 

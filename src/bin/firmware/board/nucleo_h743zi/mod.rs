@@ -56,7 +56,7 @@ pub(crate) struct Board {
     captures: Captures,
     _shutter: Shutter,
     inputs: Inputs,
-    _wires: Wires,
+    wires: Wires,
     /// Reserved.
     _stepper: StepPins,
 }
@@ -109,7 +109,7 @@ impl Board {
             }),
             _shutter: Shutter::start(p.TIM5, p.PC10),
             inputs: Inputs::start(p.PC8, p.PC9),
-            _wires: Wires::start((p.USART2, p.UART7), p.PD6, p.PE7),
+            wires: Wires::start((p.USART2, p.UART7), p.PD6, p.PE7),
             _stepper: StepPins {
                 step: p.PC6,
                 step_direction: p.PB15,
@@ -131,6 +131,7 @@ impl Board {
             self.motor.set_inputs(&inputs);
             self.captures.set_inputs(&inputs);
             self.inputs.set_inputs(&inputs);
+            self.wires.set_inputs(&inputs);
         }
         control_loop::turn(&mut self.time, &self.inputs, deck);
     }

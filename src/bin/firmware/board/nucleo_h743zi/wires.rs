@@ -10,16 +10,10 @@ use embassy_stm32::{
     rcc,
     usart::RxPin,
 };
-use fmc_camera::io::instruments::Wire;
+use fmc_camera::{flight::input_settings::InputSettings, io::instruments::Wire};
 
 use super::super::wire_ring::WireRing;
 use super::{Deck, clock};
-
-/// Speed of the receiver's wire.
-const RECEIVER_BAUD: u32 = 38_400;
-
-/// Speed of the autopilot's wire.
-const AUTOPILOT_BAUD: u32 = 57_600;
 
 static FROM_RECEIVER: WireRing = WireRing::new();
 static FROM_AUTOPILOT: WireRing = WireRing::new();
@@ -51,15 +45,22 @@ impl Wires {
         autopilot.set_as_af_unchecked(functions.1, AfType::input(Pull::Up));
         rcc::enable_and_reset::<USART2>();
         rcc::enable_and_reset::<UART7>();
-        listen(pac::USART2, const { divider(RECEIVER_BAUD) });
-        listen(pac::UART7, const { divider(AUTOPILOT_BAUD) });
+        let wires = Self { _pins: pins };
+        wires.set_inputs(&InputSettings::default());
         // SAFETY: the handlers share nothing with other code but atomics and registers that they
         // alone use.
         unsafe {
             typelevel::USART2::enable();
             typelevel::UART7::enable();
         }
-        Self { _pins: pins }
+        wires
+    }
+
+    /// Takes the speeds of the settings over. A byte that is on its way is lost.
+    #[expect(clippy::unused_self, reason = "the wires must be in operation")]
+    pub(super) fn set_inputs(&self, inputs: &InputSettings) {
+        listen(pac::USART2, divider(inputs.receiver_baud));
+        listen(pac::UART7, divider(inputs.autopilot_baud));
     }
 }
 
@@ -76,16 +77,21 @@ pub(super) fn hand_over(deck: &mut Deck) {
     }
 }
 
-/// The divider of the peripherals' clock nearest to a speed; both err by less than 0.1 %.
-const fn divider(baud: u32) -> u16 {
-    let divider = (clock::PERIPHERAL_HZ + baud / 2) / baud;
-    assert!(divider >= 16 && divider <= u16::MAX as u32);
-    #[expect(clippy::cast_possible_truncation, reason = "asserted")]
-    let divider = divider as u16;
-    divider
+/// The divider of the peripherals' clock nearest to a speed; it errs by half of itself at most: 0.5
+/// % at 1,000,000 bits/s.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    clippy::cast_precision_loss,
+    reason = "100 to 41,667 within the range of the settings"
+)]
+fn divider(baud: f32) -> u16 {
+    (clock::PERIPHERAL_HZ as f32 / baud + 0.5) as u16
 }
 
 fn listen(registers: Usart, divider: u16) {
+    // The speed can be set while the port is off.
+    registers.cr1().write(|w| w.set_ue(false));
     registers.brr().write(|w| w.set_brr(divider));
     registers.cr1().write(|w| {
         w.set_fifoen(true);
