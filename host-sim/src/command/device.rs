@@ -121,7 +121,7 @@ impl DeviceArgs {
 
     fn open_board(
         &self,
-        open: fn(&Opener, &DeviceName) -> Result<Option<Box<dyn FlownCamera>>, OpenError>,
+        open: impl FnOnce(&Opener, &DeviceName) -> Result<Option<Box<dyn FlownCamera>>, OpenError>,
     ) -> Result<Box<dyn FlownCamera>, Failure> {
         const WHICH: &str = "a camera on a board is needed: name it with --device serial:PATH or tcp:HOST:PORT; `host-sim mission` flies simulated ones";
         let name = self
