@@ -156,12 +156,15 @@ impl FlightSettings {
         let (step_um, play_mm) = (drive.encoder_step_um, drive.seen_play_mm());
         let in_round_mm = |mm_s2: f32| mm_s2 * TICK_S * TICK_S;
         let friction_mm = in_round_mm(drive.velocity_loop.friction_mm_s2());
-        let isolated_mm = in_round_mm(acceleration_mm_s2) + 2.0 * (friction_mm + 1e-3 * step_um);
+        let planned_mm = in_round_mm(acceleration_mm_s2) + 2e-3 * step_um;
+        let isolated_mm = planned_mm + 2.0 * friction_mm;
+        let jump_mm = 1e-3 * self.jump_tolerance_um.max(JUMP_STEPS * step_um);
         StageTolerance {
             following_mm: self.following_mm(),
-            jump_mm: 1e-3 * self.jump_tolerance_um.max(JUMP_STEPS * step_um),
+            jump_mm,
             slip_mm: FRICTION_ROUNDS * friction_mm + play_mm,
             isolated_mm: ISOLATED * isolated_mm,
+            undoubted_mm: jump_mm.max(planned_mm),
             contact_mm: CONTACT_PART * play_mm,
             play_mm,
             rest_band_mm: 1e-3 * drive.velocity_loop.rest_band_um,

@@ -159,6 +159,7 @@ mod tests {
         jump_mm: 0.001,
         slip_mm: 0.017,
         isolated_mm: 0.0015,
+        undoubted_mm: 0.001,
         contact_mm: 0.0038,
         play_mm: 0.0152,
         rest_band_mm: 0.002,

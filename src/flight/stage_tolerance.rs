@@ -20,7 +20,10 @@ pub(crate) struct StageTolerance {
     /// Largest part of a step beyond its set point's that neither the step before nor the next one
     /// shares, mm: more is not motion of a mass.
     pub(crate) isolated_mm: f32,
-    /// The same beyond that where a screw may come to push the stage, mm.
+    /// Largest such part without a doubt, mm: planned acceleration makes it when the set point begins
+    /// to move.
+    pub(crate) undoubted_mm: f32,
+    /// As `isolated_mm`, beyond that where a screw may come to push the stage, mm.
     pub(crate) contact_mm: f32,
     /// Play in which the encoder stands still while the screw moves, mm.
     pub(crate) play_mm: f32,

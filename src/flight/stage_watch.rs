@@ -34,7 +34,7 @@ pub(crate) enum ReadingVerdict {
 /// it. The accelerations that motor, friction and contact with the screw give it bound a step that
 /// stands alone between two rounds, whatever the play that lets the stage leave its set point;
 /// [`StageRest`] tells where a screw may come to push it. A step within that bound whose part that
-/// stands alone is more than `jump_mm` may be either: it is σ of the exposures until the stage rests
+/// stands alone is more than `undoubted_mm` may be either: it is σ of the exposures until the stage rests
 /// again ([`StageWatch::off_mm`]).
 ///
 /// Motion is at fault if it is off its set point by more than `following_mm`: if the stage should
@@ -123,7 +123,7 @@ impl StageWatch {
         if verdict == ReadingVerdict::Follows {
             if let (Some(earlier_mm), Some(before_mm)) = (earlier_mm, before_mm) {
                 let alone_mm = alone_mm(before_mm, earlier_mm, step_mm);
-                if alone_mm > tolerance.jump_mm {
+                if alone_mm > tolerance.undoubted_mm {
                     self.rest.doubt(alone_mm);
                 }
             }
@@ -241,6 +241,7 @@ mod tests {
         jump_mm: 0.001,
         slip_mm: 0.0,
         isolated_mm: 0.001,
+        undoubted_mm: 0.001,
         contact_mm: 0.0,
         play_mm: 0.0,
         rest_band_mm: 0.002,
@@ -350,6 +351,7 @@ mod tests {
         jump_mm: 0.001,
         slip_mm: 0.0144,
         isolated_mm: 0.0028,
+        undoubted_mm: 0.001,
         contact_mm: 0.0027,
         play_mm: 0.0108,
         rest_band_mm: 0.002,
