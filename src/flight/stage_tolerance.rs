@@ -20,8 +20,8 @@ pub(crate) struct StageTolerance {
     /// Largest part of a step beyond its set point's that neither the step before nor the next one
     /// shares, mm: more is not motion of a mass.
     pub(crate) isolated_mm: f32,
-    /// Largest such part without a doubt, mm: planned acceleration makes it when the set point begins
-    /// to move.
+    /// Largest such part without a doubt, mm: planned acceleration makes it where the set point
+    /// begins to move.
     pub(crate) undoubted_mm: f32,
     /// As `isolated_mm`, beyond that where a screw may come to push the stage, mm.
     pub(crate) contact_mm: f32,

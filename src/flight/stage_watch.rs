@@ -34,8 +34,8 @@ pub(crate) enum ReadingVerdict {
 /// it. The accelerations that motor, friction and contact with the screw give it bound a step that
 /// stands alone between two rounds, whatever the play that lets the stage leave its set point;
 /// [`StageRest`] tells where a screw may come to push it. A step within that bound whose part that
-/// stands alone is more than `undoubted_mm` may be either: it is σ of the exposures until the stage rests
-/// again ([`StageWatch::off_mm`]).
+/// stands alone is more than `undoubted_mm` may be either: it is σ of the exposures until the stage
+/// rests again ([`StageWatch::off_mm`]).
 ///
 /// Motion is at fault if it is off its set point by more than `following_mm`: if the stage should
 /// move, [`Fault::WrongDirection`] if it moves the other way, [`Fault::Runaway`] if it is ahead,

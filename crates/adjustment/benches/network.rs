@@ -1,9 +1,9 @@
 //! Time and memory of a self-calibrating bundle of aerial images: 60 % overlap along the strips,
 //! 30 % across, positions and attitudes observed on board, eight shared unknowns.
 //!
-//! `cargo bench -p fmc-adjustment --bench network [-- IMAGES POINTS_PER_IMAGE [PERCENT]]`, as defaults
-//! 1,000 images and 250 points each. With PERCENT that part of the image points is 5 to 50 σ wrong,
-//! and they are searched for. Prints CSV: what, seconds, and the largest memory.
+//! `cargo bench -p fmc-adjustment --bench network [-- IMAGES POINTS_PER_IMAGE [PERCENT]]`, as
+//! defaults 1,000 images and 250 points each. With PERCENT that part of the image points is 5 to
+//! 50 σ wrong, and they are searched for. Prints CSV: what, seconds, and the largest memory.
 
 use std::time::Instant;
 
