@@ -15,6 +15,7 @@ use fmc_camera::geometry::{
     gridded_correction::GriddedCorrection,
     image_motion::{ImageMotion, Smear, View},
     invertibility::{self, Region},
+    left_out_terms::LeftOut,
     mesh::{
         displacement_rows::{DisplacementRow, DisplacementRows},
         format::{MeshFormat, q12_20, s16q3, single, uq12_4},
@@ -82,6 +83,8 @@ pub(crate) fn keep() {
         FrameCorrection::jacobian,
         FrameCorrection::distort,
         FrameCorrection::distort_slice,
+        LeftOut::new,
+        LeftOut::displacement,
         View::calibrated,
         Smear::length_um,
         GridHeader::checksum,
