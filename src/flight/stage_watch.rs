@@ -188,9 +188,8 @@ impl Step {
         if size_mm > self.jump_mm {
             return Some(made_good_mm);
         }
-        let isolated_mm = size_mm - self.isolated_mm;
-        let shared_mm = libm::copysignf(1.0, self.step_mm) * self.before_mm?;
-        (isolated_mm > shared_mm.max(0.0)).then_some(made_good_mm.min(isolated_mm))
+        let alone_mm = alone_mm(self.step_mm, self.before_mm?, 0.0);
+        (alone_mm > self.isolated_mm).then_some(made_good_mm.min(size_mm - self.isolated_mm))
     }
 }
 

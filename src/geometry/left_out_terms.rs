@@ -7,8 +7,8 @@ use super::sensor::{FmcAxis, SensorPoint};
 /// The second-moment terms of the exposure mean that the evaluation form cannot hold, and those
 /// that the short kernel drops.
 ///
-/// The default leaves nothing out. A coordinate in single precision has no digits for them: 0.8 nm
-/// in an exposure of 1/50 s with a 50 mm lens. One in double precision has, and they are added to
+/// The default leaves nothing out. A coordinate in single precision has no digits for them: less
+/// than a nanometre in an exposure of 1/50 s with a 50 mm lens. One in double precision has, and they are added to
 /// its distortion.
 ///
 /// # Model
@@ -137,9 +137,13 @@ mod tests {
         ]
     }
 
-    fn exact(travel_mm: f32, axis: FmcAxis) -> (FrameCorrection, PrincipalPointMotion) {
+    fn exact(
+        lens: Brown,
+        travel_mm: f32,
+        axis: FmcAxis,
+    ) -> (FrameCorrection, PrincipalPointMotion) {
         let mut parameters = CalibrationParameters::new(50.0, [14_204, 10_652], 3.76);
-        parameters.distortion = LENS;
+        parameters.distortion = lens;
         parameters.axis = axis;
         let calibration = Calibration::new(parameters).unwrap();
         let travel = UniformTravel {
@@ -174,7 +178,7 @@ mod tests {
             FmcAxis::PlusX,
             FmcAxis::MinusX,
         ] {
-            let (correction, motion) = exact(TRAVEL_MM, axis);
+            let (correction, motion) = exact(LENS, TRAVEL_MM, axis);
             let terms = LeftOut::new(&correction, motion.moments.second, axis);
             let (mut without, mut with) = (0.0_f64, 0.0_f64);
             for place in 0..49_u8 {
@@ -208,5 +212,24 @@ mod tests {
             assert!(without > 3.0, "{axis:?}: {without} nm");
             assert!(with < 0.2, "{axis:?}: {with} nm");
         }
+    }
+
+    #[test]
+    fn terms_of_the_short_kernel_are_those_that_it_drops() {
+        let sheared = Brown { b2: 1e-10, ..LENS };
+        let (correction, _) = exact(sheared, 0.02, FmcAxis::PlusY);
+        assert_eq!(correction.terms(), Terms::Short);
+        let form = correction.form();
+        let dropped = [form.b1, form.b2, form.tx, form.ty];
+        assert!(dropped.iter().all(|term| *term != 0.0), "{dropped:?}");
+        let terms = LeftOut::new(&correction, 0.0, FmcAxis::PlusY);
+        let centre = correction.centre();
+        let rest = terms.displacement(SensorPoint::new(centre.x_mm + 20.0, centre.y_mm - 10.0));
+        let dx_mm = 20.0 * form.b1 - 10.0 * form.b2 + form.tx;
+        assert!((rest.dx_mm - dx_mm).abs() < 1e-5 * dx_mm.abs(), "{rest:?}");
+        assert!(
+            (rest.dy_mm - form.ty).abs() < 1e-5 * form.ty.abs(),
+            "{rest:?}"
+        );
     }
 }

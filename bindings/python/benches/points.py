@@ -90,10 +90,13 @@ def main():
     row("1e4 frames x 1e3 / one frame of 1e7", many, FRAMES * EACH, many / one, 1.3)
     repeated = np.repeat(index, EACH)
     each = cpu_time(lambda: frames.correct(all_points, repeated, out=all_out), 7)
-    row("the same with a number for each point", each, FRAMES * EACH, each / one)
+    row("the same with a number for each point", each, FRAMES * EACH, each / one, 3)
     mixed = random.permutation(repeated)
     each = cpu_time(lambda: frames.correct(all_points, mixed, out=all_out), 2)
-    row("the same in random order", each, FRAMES * EACH, each / one)
+    row("the same in random order in ns a point", each, FRAMES * EACH, 1e9 * each / (FRAMES * EACH), 100)
+    doubles, doubles_out = all_points.astype(np.float64), np.empty(all_points.shape)
+    each = cpu_time(lambda: frames.correct(doubles, mixed, out=doubles_out), 1)
+    row("the same in float64 in ns a point", each, FRAMES * EACH, 1e9 * each / (FRAMES * EACH), 1000)
 
     count = ARROW_FRAMES * ARROW_EACH
     batch = pa.RecordBatch.from_pydict(

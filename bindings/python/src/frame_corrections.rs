@@ -13,8 +13,8 @@ type Kept = OnceLock<Option<FrameCorrection>>;
 
 /// Corrections of the frames of a table, by their places.
 ///
-/// The first use of the frames takes their memory, 100 bytes each; the first use of one of them
-/// folds its correction in 0.2 µs.
+/// The first use of the frames takes their memory, about 100 bytes each; the first use of one
+/// of them folds its correction.
 #[derive(Debug, Default)]
 pub(crate) struct FrameCorrections(OnceLock<Box<[Kept]>>);
 
@@ -27,10 +27,9 @@ impl FrameCorrections {
         place: usize,
     ) -> Option<&FrameCorrection> {
         let rows = table.rows();
-        let all = self.0.get_or_init(|| {
-            let empty = || OnceLock::new();
-            rows.iter().map(|_| empty()).collect()
-        });
+        let all = self
+            .0
+            .get_or_init(|| rows.iter().map(|_| OnceLock::new()).collect());
         let fold = || rows.get(place)?.correction(calibration);
         all.get(place)?.get_or_init(fold).as_ref()
     }
@@ -55,4 +54,5 @@ pub(crate) fn run(correction: Option<&FrameCorrection>, points: usize) -> Run {
     }
 }
 
-const _: () = assert!(size_of::<Kept>() == 100);
+// The lock of a cell has 4 bytes on Linux and 8 elsewhere.
+const _: () = assert!(size_of::<Kept>() <= 104);

@@ -15,7 +15,7 @@ def printed(page):
     """Code, what it prints, and what the page says that it prints."""
     names = {}
     blocks = BLOCK.findall(page)
-    for (kind, code), (next_kind, output) in zip(blocks, blocks[1:]):
+    for (kind, code), (next_kind, output) in zip(blocks, [*blocks[1:], ("", "")]):
         if kind == "python":
             assert next_kind == "output", code
             with contextlib.redirect_stdout(io.StringIO()) as text:

@@ -19,4 +19,4 @@ pub mod rig;
 pub mod scene;
 pub mod stereo;
 
-pub use number::{grey, median, rms};
+pub use number::{grey, median, real, rms};

@@ -5,7 +5,7 @@ use statrs::statistics::{Data, Median as _};
 /// Returns a count as a real number.
 #[expect(clippy::cast_precision_loss, reason = "a number of pixels or points")]
 #[must_use]
-pub(crate) const fn real(count: usize) -> f64 {
+pub const fn real(count: usize) -> f64 {
     count as f64
 }
 

@@ -2,7 +2,7 @@
 
 /// Returns the square root, rounded to the nearest number; a NaN for numbers below zero.
 ///
-/// The standard of floating point determines its bits: they are those of `libm`, which computes in
+/// IEEE 754 determines its bits: they are those of `libm`, which computes in
 /// whole numbers what Cortex-M4F and M7 do in hardware.
 #[inline]
 #[must_use]

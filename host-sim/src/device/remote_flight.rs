@@ -57,25 +57,19 @@ impl<P: Port> Remote<P> {
     /// # Errors
     /// [`DeviceError::Link`], also for a record that was not fetched.
     pub fn acknowledge_records(&mut self, through: u32) -> Result<u32, DeviceError> {
-        let fetched: Vec<FetchedRecord> = self
-            .fetched
-            .range(..=through)
-            .map(|(&sequence, &crc)| FetchedRecord { sequence, crc })
-            .collect();
-        let last = fetched.last().filter(|last| last.sequence == through);
-        let last = last.copied().unwrap_or(FetchedRecord {
+        let last = FetchedRecord {
             sequence: through,
-            crc: 0,
-        });
+            crc: self.fetched.get(&through).copied().unwrap_or_default(),
+        };
         let mut left = self.client.acknowledge(last);
         if let Err(LinkError::Refused {
             refusal: Refusal::NotFetched { .. },
             ..
         }) = left
         {
-            let earlier = fetched.iter().rev().skip(1);
-            for fetched in earlier {
-                if self.client.acknowledge(*fetched).is_ok() {
+            for (&sequence, &crc) in self.fetched.range(..through).rev() {
+                let earlier = FetchedRecord { sequence, crc };
+                if self.client.acknowledge(earlier).is_ok() {
                     break;
                 }
             }

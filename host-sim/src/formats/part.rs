@@ -53,13 +53,12 @@ impl Part {
         let mut options = File::options();
         options.read(true).write(true).create_new(true);
         let file = loop {
-            let made = HiddenFile::create(folder(&path), |name| options.open(name));
-            let made = made.map_err(|error| io::Error::from(error.kind()))?;
+            let made = HiddenFile::create(folder(&path), |name| options.open(name))?;
             // Some network file systems have no locks; there an unfinished file is never removed
             // by another program.
-            let _ = made.file.as_file().lock();
+            let _ = made.file().lock();
             // Another program may have removed it before it was locked.
-            if made.file.path().exists() {
+            if made.path().exists() {
                 break made;
             }
         };
@@ -79,16 +78,8 @@ impl Part {
         match &mut self.file {
             #[cfg(target_os = "linux")]
             PartFile::Unnamed(file) => file,
-            PartFile::Hidden(hidden) => hidden.file.as_file_mut(),
+            PartFile::Hidden(hidden) => hidden.file_mut(),
         }
-    }
-
-    /// Removes the unfinished files of a folder that no program is writing.
-    ///
-    /// # Errors
-    /// Those of the file system.
-    pub fn remove_abandoned(folder: &Path) -> io::Result<()> {
-        hidden::remove_abandoned(folder)
     }
 
     /// Gives the file its name.

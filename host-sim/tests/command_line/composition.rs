@@ -24,6 +24,16 @@ fn summary(bench: &Bench, path: &str) -> serde_json::Value {
     serde_json::from_slice(&fs::read(bench.path(path)).unwrap()).unwrap()
 }
 
+const RADIOMETRY: [&str; 7] = [
+    "calibrate",
+    "radiometry",
+    "--rig",
+    "scene/rig.toml",
+    "--out",
+    "rad",
+    "scene",
+];
+
 const RIG: [&str; 8] = [
     "calibrate",
     "rig",
@@ -63,16 +73,7 @@ fn states_the_figures_of_emva_1288(bench: &Bench, stdout: &str) {
 #[test]
 fn scene_becomes_a_virtual_image_by_radiometry_and_rig() {
     let bench = bench();
-    let radiometry = [
-        "calibrate",
-        "radiometry",
-        "--rig",
-        "scene/rig.toml",
-        "--out",
-        "rad",
-        "scene",
-    ];
-    let answer = bench.run(&radiometry).ok();
+    let answer = bench.run(&RADIOMETRY).ok();
     states_the_figures_of_emva_1288(&bench, &answer.stdout);
     let answer = bench.run(&[&RIG[..], &["scene/control.csv"]].concat()).ok();
     assert!(

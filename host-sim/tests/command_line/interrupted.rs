@@ -6,12 +6,11 @@ use std::fs;
 use std::os::unix::process::ExitStatusExt as _;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
-use std::thread;
 use std::time::{Duration, Instant};
 
 use assert_cmd::cargo::cargo_bin;
 use rustix::fs::{CWD, Mode, OFlags, openat};
-use rustix::process::{Pid, Signal, kill_process};
+use rustix::process::{Pid, Signal, WaitId, WaitIdOptions, kill_process, waitid};
 
 use crate::command_line::support::{Answer, Bench, CAMERA, EXPOSURE};
 
@@ -127,7 +126,8 @@ fn interrupt_once(bench: &Bench, folder: &Path, arguments: &[&str], signal: Sign
         if is_writing(&child, folder) {
             // It is looked at again while it stands still.
             kill_process(pid, Signal::STOP).unwrap();
-            thread::sleep(Duration::from_millis(2));
+            let stands = WaitIdOptions::STOPPED | WaitIdOptions::EXITED | WaitIdOptions::NOWAIT;
+            waitid(WaitId::Pid(pid), stands).unwrap();
             let caught = is_writing(&child, folder);
             if caught {
                 kill_process(pid, signal).unwrap();
@@ -188,19 +188,11 @@ fn points_leave_the_folder_as_it_was() {
 #[test]
 fn rectified_frame_leaves_the_folder_as_it_was() {
     let bench = Bench::with(LARGE, b"");
-    let exposure = [
-        "--camera",
-        "camera.toml",
-        "--vh",
-        "0.17",
-        "--exposure",
-        "1/100",
-    ];
-    let render = [&["render"], &exposure[..], &["--out", "scene"]].concat();
+    let render = [&["render"], &EXPOSURE[..], &["--out", "scene"]].concat();
     bench.run(&render).ok();
     let rectify = [
         &["rectify"],
-        &exposure[..],
+        &EXPOSURE[..],
         &["--out", "answer", "scene/frame.tif"],
     ]
     .concat();

@@ -120,6 +120,8 @@ mod table_width;
 #[cfg(test)]
 #[cfg(unix)]
 mod tcp;
+#[cfg(test)]
+#[cfg(unix)]
 mod terminal;
 #[cfg(test)]
 mod verify;

@@ -1,6 +1,7 @@
 //! Gross errors in simulated networks.
 
 use fastrand::Rng;
+use fmc_adjustment::bundle::cofactors::Cofactors;
 use fmc_adjustment::bundle::snooping::{Snooped, snooped};
 use fmc_adjustment::bundle::solution::{DatumChoice, adjust};
 use fmc_adjustment::bundle::state::State;
@@ -29,6 +30,9 @@ fn one_percent_of_gross_errors_over_20_seeds() {
             wrong[place] = Some(size);
         }
         let result = snooped(&network, DatumChoice::Auto, &State::initial(&network)).unwrap();
+        // Not those of a round with more observations.
+        let own = Cofactors::of(&result.network, &result.solution).unwrap();
+        assert_eq!(result.cofactors.border, own.border, "seed {seed}");
         for (observed, wrong) in result.network.image_points.iter().zip(wrong) {
             match wrong {
                 Some(size) if size > 7.0 => {

@@ -129,15 +129,10 @@ impl Work for InPlace<'_> {
             points,
         } in self.runs
         {
+            let count = points.saturating_mul(2);
             match terms {
-                Terms::Short => places.run(
-                    &Form::<V, false>::new(vectors, &form),
-                    points.saturating_mul(2),
-                ),
-                Terms::Full => places.run(
-                    &Form::<V, true>::new(vectors, &form),
-                    points.saturating_mul(2),
-                ),
+                Terms::Short => places.run::<false>(&form, count),
+                Terms::Full => places.run::<true>(&form, count),
             }
             if places.points.is_empty() {
                 break;
@@ -156,7 +151,8 @@ struct Places<'a, V> {
 
 impl<V: Vectors> Places<'_, V> {
     #[inline(always)]
-    fn run<const FULL: bool>(&mut self, form: &Form<V, FULL>, count: usize) {
+    fn run<const FULL: bool>(&mut self, form: &Coefficients, count: usize) {
+        let form = &Form::<V, FULL>::new(self.vectors, form);
         let n = 2 * V::F32_LANES;
         let count = count.min(self.points.len());
         let first = count.min(self.to_block);
@@ -223,15 +219,10 @@ impl Work for Into<'_> {
             points,
         } in self.runs
         {
+            let count = points.saturating_mul(2);
             match terms {
-                Terms::Short => blocks.run(
-                    &Form::<V, false>::new(vectors, &form),
-                    points.saturating_mul(2),
-                ),
-                Terms::Full => blocks.run(
-                    &Form::<V, true>::new(vectors, &form),
-                    points.saturating_mul(2),
-                ),
+                Terms::Short => blocks.run::<false>(&form, count),
+                Terms::Full => blocks.run::<true>(&form, count),
             }
             if blocks.points.is_empty() {
                 break;
@@ -258,7 +249,8 @@ struct Blocks<'a, V> {
 
 impl<V: Vectors> Blocks<'_, V> {
     #[inline(always)]
-    fn run<const FULL: bool>(&mut self, form: &Form<V, FULL>, count: usize) {
+    fn run<const FULL: bool>(&mut self, form: &Coefficients, count: usize) {
+        let form = &Form::<V, FULL>::new(self.vectors, form);
         let n = 2 * V::F32_LANES;
         let mut count = count.min(self.points.len());
         if self.filled > 0 || self.size < n {

@@ -10,7 +10,7 @@ const BESIDE: f32 = -77.25;
 const MARGIN: usize = 20;
 /// Numbers in two vectors of the widest level, which is the number of alignments that a slice can
 /// have.
-const PLACES: usize = 32;
+pub(crate) const PLACES: usize = 32;
 
 /// Numbers with a margin before and after, at a known alignment, which determines the whole
 /// vectors.

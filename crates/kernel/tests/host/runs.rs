@@ -4,10 +4,7 @@ use fmc_camera_kernel::host::{Level, Run, Runs};
 use fmc_camera_kernel::{Coefficients, Terms};
 
 use crate::call::{FORM, TERMS, assert_same, portable};
-use crate::places::Placed;
-
-/// Numbers in two vectors of the widest level.
-const PLACES: usize = 32;
+use crate::places::{PLACES, Placed};
 
 /// Returns runs of random lengths below a limit, each of a frame of its own.
 fn runs(random: &mut fastrand::Rng, count: usize, longest: usize) -> Vec<Run> {

@@ -12,13 +12,13 @@ use fmc_composition::mosaic::{
     Composite, Geometry, GreenMatch, Layer, SeamStep, compose, green_pairs, memory_bytes, steps,
 };
 use fmc_composition::radiometry::Correction;
+use fmc_composition::real;
 use fmc_composition::rig::control::{Place, Tie};
 use fmc_composition::rig::{Heights, Rig, SubImage};
 use fmc_report::composition::page::CompositionPage;
 
 pub(super) use self::composed::{Choices, Composed};
 pub(super) use self::summary::Summary;
-use self::summary::number;
 use super::files::{read_plane, read_rig, write_plane, write_rows};
 use super::preview;
 use super::radiometry::RadiometryFolder;
@@ -269,8 +269,7 @@ fn registered(
     let size = [rig.frame.width_px, rig.frame.height_px];
     let found = green_pairs(rig, green, recorded, &composite.layer.plane);
     let windows = found.as_ref().map_or(0, |found| found.windows);
-    let enough =
-        found.filter(|found| number(found.pairs.len()) >= LEAST_GREEN_PART * number(windows));
+    let enough = found.filter(|found| real(found.pairs.len()) >= LEAST_GREEN_PART * real(windows));
     let fitted = enough.and_then(|found| {
         let registration = Registration::fit(size, DEGREE, &found.pairs)?;
         Some((found, registration))

@@ -18,7 +18,6 @@ use super::task::FrameTask;
 use crate::cli::{CentreName, RectifyArgs};
 use crate::failure::{Failure, note};
 use crate::formats::output::OutputFolder;
-use crate::formats::part::Part;
 
 /// Rectifies the frames that are asked for.
 ///
@@ -69,9 +68,6 @@ impl Block<'_> {
         let options = &self.args.block;
         let all = tasks.len();
         if options.resume {
-            let folder = self.folder.path();
-            Part::remove_abandoned(folder)
-                .map_err(|error| Failure::writing(folder.display(), &error))?;
             self.check_camera()?;
         }
         let is_new = !self

@@ -2,6 +2,7 @@
 
 use std::fs;
 use std::io;
+use std::path::Path;
 
 use fmc_camera::geometry::sensor::SensorPoint;
 use fmc_camera_file::{CameraFile, number::single};
@@ -205,15 +206,12 @@ impl<'a> FrameRectifier<'a> {
                 mesh_bound_px: rectification.mesh_bound_px(),
             },
         };
-        // An older description must not stand beside the new image if this program is killed now.
         let sidecar_name = task.sidecar_name();
         let sidecar_path = folder.path().join(&sidecar_name);
-        match fs::remove_file(&sidecar_path) {
-            Err(error) if error.kind() != io::ErrorKind::NotFound => {
-                return Err(Failure::writing(sidecar_path.display(), &error));
-            }
-            _ => {}
-        }
+        // On the disk now: nothing is waited for while the image has no description.
+        let on_disk = part.file_mut().sync_all();
+        on_disk.map_err(|error| writing(&error))?;
+        remove_older(&sidecar_path)?;
         part.complete().map_err(|error| writing(&error))?;
         folder.write_json(&sidecar_name, &sidecar)?;
         state.mark(&sidecar_path);
@@ -256,6 +254,17 @@ impl<'a> FrameRectifier<'a> {
             principal_point_from_corner_px: corner_px,
             recorded_principal_point_mm: exposure.principal_point_mm,
         }
+    }
+}
+
+/// Removes an older description, which must not stand beside the new image if this program is
+/// killed now.
+fn remove_older(sidecar: &Path) -> Result<(), Failure> {
+    match fs::remove_file(sidecar) {
+        Err(error) if error.kind() != io::ErrorKind::NotFound => {
+            Err(Failure::writing(sidecar.display(), &error))
+        }
+        _ => Ok(()),
     }
 }
 

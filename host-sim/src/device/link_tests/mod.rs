@@ -5,6 +5,8 @@ mod answers;
 #[cfg(test)]
 mod faults;
 #[cfg(test)]
+mod records;
+#[cfg(test)]
 mod sessions;
 
 use fmc_camera::flight::camera::CameraParameters;

@@ -16,9 +16,13 @@ static HIDDEN: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
 
 /// A hidden file, which is removed when it is dropped, and when a signal ends the program.
 #[derive(Debug)]
-pub(super) struct HiddenFile<F> {
-    pub(super) file: NamedTempFile<F>,
-    // Dropped last: until the file has gone, a signal must find its name.
+pub(super) struct HiddenFile<F>(NamedTempFile<Listed<F>>);
+
+/// An open file, and its name in [`HIDDEN`].
+#[derive(Debug)]
+struct Listed<F> {
+    file: F,
+    // The name goes after the file has gone: until then a signal must find it.
     _entry: Entry,
 }
 
@@ -31,24 +35,39 @@ impl<F> HiddenFile<F> {
         signals::remove_hidden_files();
         let [prefix, suffix] = NAME;
         let mut builder = tempfile::Builder::new();
-        let mut entry = None;
-        let file = builder
+        let made = builder
             .prefix(prefix)
             .suffix(suffix)
             .make_in(folder, |path| {
-                entry = Some(Entry::new(path));
-                make(path)
-            })?;
-        let entry = entry.unwrap_or_else(|| Entry::new(file.path()));
-        Ok(Self {
-            file,
-            _entry: entry,
-        })
+                let entry = Entry::new(path);
+                Ok(Listed {
+                    file: make(path)?,
+                    _entry: entry,
+                })
+            });
+        // Without the hidden name, which means nothing to the user.
+        made.map(Self)
+            .map_err(|error| io::Error::from(error.kind()))
+    }
+
+    /// The open file.
+    pub(super) fn file(&self) -> &F {
+        &self.0.as_file().file
+    }
+
+    /// The open file, for writing.
+    pub(super) fn file_mut(&mut self) -> &mut F {
+        &mut self.0.as_file_mut().file
+    }
+
+    /// The hidden name.
+    pub(super) fn path(&self) -> &Path {
+        self.0.path()
     }
 
     /// Gives the file its name, in place of any that has it.
     pub(super) fn persist(self, path: &Path) -> io::Result<()> {
-        self.file.persist(path)?;
+        self.0.persist(path)?;
         Ok(())
     }
 }

@@ -6,7 +6,7 @@ use std::path::Path;
 use tiff::encoder::colortype::{ColorType, Gray16, Gray32Float, RGB16};
 use tiff::encoder::{TiffEncoder, TiffValue};
 
-use super::{RIG, bench};
+use super::{RADIOMETRY, RIG, bench};
 use crate::command_line::support::Bench;
 
 /// Replaces the file by what a change makes of its text.
@@ -29,15 +29,6 @@ fn change_samples(path: &Path, pixels: usize, change: impl Fn(usize, u16) -> u16
 /// Sub-images of the small scene, px.
 const SIZE: [u32; 2] = [256, 448];
 const PIXELS: usize = 256 * 448;
-const RADIOMETRY: [&str; 7] = [
-    "calibrate",
-    "radiometry",
-    "--rig",
-    "scene/rig.toml",
-    "--out",
-    "rad",
-    "scene",
-];
 
 #[test]
 fn control_and_ties_that_are_wrong_are_named() {
@@ -141,16 +132,7 @@ fn images_that_are_missing_or_say_nothing_are_named() {
     for dark in ["3_00", "3_01"] {
         fs::remove_file(bench.path(&format!("scene/darks/{dark}.tif"))).unwrap();
     }
-    let radiometry = [
-        "calibrate",
-        "radiometry",
-        "--rig",
-        "scene/rig.toml",
-        "--out",
-        "rad",
-        "scene",
-    ];
-    bench.run(&radiometry).refused(&["darks", "no 3_NN.tif"]);
+    bench.run(&RADIOMETRY).refused(&["darks", "no 3_NN.tif"]);
     assert!(!bench.path("out").exists() && !bench.path("rad").exists());
 }
 

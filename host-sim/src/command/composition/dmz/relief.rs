@@ -71,7 +71,7 @@ pub(super) fn over_relief(
             row.extend(image_cells(ours));
             row.extend(match &theirs {
                 Ok(theirs) => theirs.image.as_ref().map(image_cells).unwrap_or_default(),
-                Err(error) => [error.text().clone(), String::new(), String::new()],
+                Err(error) => [error.text(), String::new(), String::new()],
             });
             of_images.push(row);
         }
@@ -123,7 +123,7 @@ fn outcome(scene: &Scene, truth: Option<&Plane>, way: Way) -> Result<Outcome, Fa
         .ok_or_else(|| Failure::bad_input("the rig has other sub-images than its scene"))?;
     let image = truth.map(|truth| {
         let image = composed(scene, &rig, truth, way);
-        image.map_err(|error| error.text().clone())
+        image.map_err(|error| error.text())
     });
     Ok(Outcome { rig: judged, image })
 }

@@ -2,7 +2,7 @@
 
 use fmc_composition::radiometry::Method;
 use fmc_composition::rig::{Heights, Rig};
-use fmc_composition::rms;
+use fmc_composition::{real, rms};
 use fmc_report::composition::page::Section;
 use serde::Serialize;
 
@@ -89,7 +89,7 @@ impl Summary {
             feather_px: choices.feather_px,
             heights: rig.calibration.map(|table| table.heights),
             radiometry,
-            content_percent: 100.0 * number(content) / number(labels.len()),
+            content_percent: 100.0 * real(content) / real(labels.len()),
             seam_step_px: rms(ways),
             seam_grey_percent: rms(composed.steps.iter().map(|step| 100.0 * step.grey_part))
                 .unwrap_or(0.0),
@@ -179,9 +179,4 @@ impl Summary {
             ..Section::default()
         }
     }
-}
-
-#[expect(clippy::cast_precision_loss, reason = "a number of pixels or windows")]
-pub(super) const fn number(count: usize) -> f64 {
-    count as f64
 }
