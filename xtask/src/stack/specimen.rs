@@ -63,6 +63,9 @@ fn stack_that_grows_in_a_loop_or_is_left_behind_has_no_bound() {
         error.contains("0 bytes deep by one path and 4 by another"),
         "{error}"
     );
+    // it ne; subne sp, #8; b .
+    let error = bound(&[&[0xbf18, 0xb082, 0xe7fe]]).unwrap_err();
+    assert!(error.contains("by another"), "{error}");
     // push {r4}; bx lr
     let error = bound(&[&[0xb410, 0x4770]]).unwrap_err();
     assert!(error.contains("it returns with 4 bytes"), "{error}");
