@@ -240,10 +240,11 @@ impl FrameCorrection {
     /// Sensor frame, mm; the domain is that of [`Self::distortion`].
     ///
     /// # Accuracy
-    /// Half a unit in the last place of the coordinate (3.8 nm at 114 mm) on top of
-    /// [`Self::left_out_nm`] and the rounding of the distortion: at most 0.37 nm on the published
-    /// cameras (proved, `docs/rounding.md`), of which 0.11 nm were found
-    /// (`tests/geometry/accuracy.rs`).
+    /// [`Self::left_out_nm`] and rounding. Proved for the published cameras without motion, the
+    /// centre up to 0.25 mm beside the principal point (`docs/rounding.md`): x is off by at most
+    /// 1.40 nm on the iXM-RS150F and 3.83 nm on the RC30, with half a unit in its last place
+    /// (3.8 nm at 114 mm), and the distortion by at most 0.37 nm at a point from the centre, of
+    /// which 0.11 nm were found (`tests/geometry/accuracy.rs`).
     #[inline]
     #[must_use]
     pub fn correct(&self, measured: SensorPoint) -> Corrected {

@@ -106,10 +106,10 @@ impl Step {
             | Self::Supply
             | Self::HostTests
             | Self::Verify
-            | Self::Rounding
             | Self::Exchange
             | Self::Python
             | Self::Web => &[],
+            Self::Rounding => &[Need::Gappa],
             Self::TargetLints | Self::FirmwareLints | Self::Board => {
                 &[Need::Compiler, Need::Clippy]
             }
@@ -181,7 +181,7 @@ fn run_step(step: Step, workspace: &Workspace, equipment: &Equipment<'_>) -> Res
             let verify = host_sim.args(["verify", "--device", "sil", "--out"]);
             verify.arg(verify::default_out(workspace))
         }
-        Step::Rounding => return rounding::check(workspace, equipment.toolbox()),
+        Step::Rounding => return rounding::check(workspace, equipment.gappa()?),
         Step::Exchange => return exchange::check(workspace, equipment.toolbox()),
         Step::Python => return wheel::check(workspace, equipment.toolbox()),
         // The lints run in release, so that the core library is built once for lints, library and

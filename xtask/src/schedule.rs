@@ -97,7 +97,7 @@ pub(crate) fn run(workspace: &Workspace) -> Result<ExitCode> {
 
     // The set-up comes before the lanes, so that shared tools are fetched once and missing ones are
     // reported at the beginning.
-    let needs = [Need::Compiler, Need::Clippy, Need::Qemu];
+    let needs = [Need::Compiler, Need::Clippy, Need::Qemu, Need::Gappa];
     let equipment = Equipment::for_needs(workspace, &needs);
     let lacks: Vec<Option<String>> = Step::value_variants()
         .iter()

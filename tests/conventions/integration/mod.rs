@@ -21,8 +21,8 @@ fn rows(heading: &str) -> Vec<Vec<&'static str>> {
 
 /// Returns the output of the example as the document quotes it, and the text before and after it.
 fn around_output() -> (&'static str, &'static str, &'static str) {
-    let fence = "```text\n";
-    let at = DOCUMENT.find("```text\n0.001000").unwrap() + fence.len();
+    let fence = "```output\n";
+    let at = DOCUMENT.find(fence).unwrap() + fence.len();
     let (before, rest) = DOCUMENT.split_at(at);
     let (output, after) = rest.split_once("```").unwrap();
     (before, output, after)

@@ -271,7 +271,7 @@ fn of_travels(root: &Path, ranges: &Ranges) -> Result<Vec<Claim>> {
     let wanted = ["speed_mm_s", "exposure_s"];
     let (mut definitions, mut speed) = read(&camera, "tracking", Reading::default(), &wanted)?;
     let distance = "calibration_parameters_principal_distance_mm";
-    let mut given = BTreeMap::from([
+    let given = BTreeMap::from([
         ("exposure_direction_sign".to_owned(), Given::Is(-1.0)),
         (
             distance.to_owned(),
@@ -292,7 +292,6 @@ fn of_travels(root: &Path, ranges: &Ranges) -> Result<Vec<Claim>> {
         let value = speed.remove(field).context("no speed")?;
         definitions.lines.push((format!("travel_{field}"), value));
     }
-    given.retain(|name, _| definitions.inputs.contains(name));
     // Other numbers that the plan reads are of other results.
     definitions.lines.append(&mut second.lines);
     Ok(vec![Claim {
@@ -357,12 +356,16 @@ fn of_sigmas(root: &Path, ranges: &Ranges) -> Result<Vec<Claim>> {
     let mut claims = Vec::new();
     for result in ["frame_mm", "common_mm"] {
         let reading = Reading {
-            given: &["speed_mm_s", "readings"],
+            given: &["readings"],
             ..Reading::default()
         };
         let (definitions, mut results) = read(&source, "sigma_of_readings", reading, &[result])?;
         let given = [
-            ("speed_mm_s", ranges.scaled("MaxSpeedMmS", 1.0)?),
+            (
+                "motion_travel_mm",
+                ranges.from("TravelMm", LEAST_TRAVEL_MM)?,
+            ),
+            ("exposure_s", ranges.scaled("ExposureS", 1.0)?),
             ("STAMP_SIGMA_S", stamp),
             ("readings", Given::Between(1.0, MOST_READINGS)),
             (
@@ -391,8 +394,6 @@ fn of_sigmas(root: &Path, ranges: &Ranges) -> Result<Vec<Claim>> {
             ),
         ];
         let given = given.map(|(name, given)| (name.to_owned(), given));
-        let mut given = BTreeMap::from(given);
-        given.retain(|name, _| definitions.inputs.contains(name));
         claims.push(Claim {
             name: format!(
                 "σ of the {}",
@@ -404,7 +405,7 @@ fn of_sigmas(root: &Path, ranges: &Ranges) -> Result<Vec<Claim>> {
             ),
             script: Script {
                 definitions,
-                given,
+                given: BTreeMap::from(given),
                 result: results.remove(result).context("no result")?,
                 unit: Unit::Part,
             },

@@ -63,6 +63,21 @@ pub(super) fn read(
 struct Scope {
     values: BTreeMap<String, Expression>,
     closures: BTreeMap<String, ExprClosure>,
+    /// Names whose values could not be read, and why.
+    unread: BTreeMap<String, String>,
+}
+
+impl Scope {
+    fn set(&mut self, name: &str, value: Expression) {
+        self.unread.remove(name);
+        self.values.insert(name.to_owned(), value);
+    }
+
+    /// Takes the value of a name away, so that no earlier one stands for it.
+    fn leave_unread(&mut self, name: &str, why: &anyhow::Error) {
+        self.values.remove(name);
+        self.unread.insert(name.to_owned(), format!("{why:#}"));
+    }
 }
 
 struct Reader<'a> {
@@ -162,12 +177,14 @@ impl Reader<'_> {
             (Pat::Ident(name), _) if self.is_given(&name.ident.to_string()) => {
                 let name = name.ident.to_string();
                 let input = self.input(&name);
-                self.scope.values.insert(name, input);
+                self.scope.set(&name, input);
             }
             (Pat::Ident(name), value) => {
-                // A name that no result needs may stand for anything.
-                if let Ok(value) = self.expression(value) {
-                    self.bind(&name.ident.to_string(), value);
+                let name = name.ident.to_string();
+                match self.expression(value) {
+                    Ok(value) => self.bind(&name, value),
+                    // A name that no result needs may stand for anything.
+                    Err(error) => self.scope.leave_unread(&name, &error),
                 }
             }
             (Pat::Tuple(names), Expr::Tuple(values)) => {
@@ -191,7 +208,7 @@ impl Reader<'_> {
     /// Gives a name a value.
     fn bind(&mut self, name: &str, value: Expression) {
         let value = self.define(name, value);
-        self.scope.values.insert(name.to_owned(), value);
+        self.scope.set(name, value);
     }
 
     /// Adds a definition and returns what stands for it.
@@ -255,6 +272,9 @@ impl Reader<'_> {
         if let Some(value) = self.scope.values.get(&name) {
             return Ok(value.clone());
         }
+        if let Some(why) = self.scope.unread.get(&name) {
+            bail!("{name} was not read: {why}");
+        }
         if let Some(constant) = self.source.constants.get(&name) {
             return self.expression(&constant.clone());
         }
@@ -309,7 +329,7 @@ impl Reader<'_> {
             let name = name.ident.to_string();
             let value = self.expression(argument)?;
             let value = self.define(&name, value);
-            scope.values.insert(name, value);
+            scope.set(&name, value);
         }
         Ok(scope)
     }
@@ -446,6 +466,17 @@ mod tests {
         };
         let (definitions, _) = read(&source, "of", reading, &["result"]).unwrap();
         assert_eq!(definitions.inputs, ["n", "x"]);
+        // Nor does the value before a redefinition stand for one that is not read.
+        let again = "fn of(x: f32) -> f32 { let x = x.floor_or(1.0); x * x }";
+        let again = Source::parse(again).unwrap();
+        let error = read(&again, "of", Reading::default(), &["result"]).unwrap_err();
+        assert!(format!("{error:#}").contains("x was not read"), "{error:#}");
+        let bound = "fn of(x: f32) -> f32 { let y = x.f(1.0); let y = x * 2.0; y * y }";
+        let bound = lines(bound, Reading::default(), &["result"]);
+        assert_eq!(
+            bound,
+            ["y = (exact_x * 2.0)", "result = (exact_y * exact_y)"]
+        );
         let loops = Source::parse("fn of() -> f32 { for i in 0..2 {} 1.0 }").unwrap();
         assert!(read(&loops, "of", Reading::default(), &["result"]).is_err());
     }

@@ -19,12 +19,7 @@ use std::{
 
 use anyhow::{Context as _, Result, bail, ensure};
 
-use crate::{
-    NOT_CHECKED,
-    machine::on_path,
-    tools::{Tool, Toolbox},
-    workspace::Workspace,
-};
+use crate::workspace::Workspace;
 use claims::Claim;
 
 /// Document with the bounds.
@@ -36,34 +31,27 @@ const SMALLER: f64 = 0.99;
 /// Proves the bounds of the document.
 ///
 /// # Errors
-/// An error if a bound is not proved, is larger than Gappa's by a hundredth, is missing or is that
-/// of no claim.
-pub(crate) fn check(workspace: &Workspace, toolbox: &Toolbox<'_>) -> Result<()> {
+/// An error if a bound is not proved, is larger than Gappa's by a hundredth, is missing, is that of
+/// no claim or stands there twice.
+pub(crate) fn check(workspace: &Workspace, gappa: &Path) -> Result<()> {
     let claims = claims::all(&workspace.root)?;
     let document = fs::read_to_string(workspace.root.join(DOCUMENT)).context(DOCUMENT)?;
-    let gappa = match on_path("gappa") {
-        Some(program) => program,
-        None => match toolbox.provide(Tool::Gappa) {
-            Ok(tool) => tool.program("gappa"),
-            Err(missing) => {
-                eprintln!("{NOT_CHECKED}bounds of the rounding: {missing}");
-                return Ok(());
-            }
-        },
-    };
     let out = workspace.target_dir.join("rounding");
+    if out.exists() {
+        fs::remove_dir_all(&out).with_context(|| out.display().to_string())?;
+    }
     fs::create_dir_all(&out).with_context(|| out.display().to_string())?;
-    let prover = Prover { gappa, out };
+    let prover = Prover {
+        gappa: gappa.to_owned(),
+        out,
+    };
     let rows = rows(&document);
     let mut findings = Vec::new();
     for claim in &claims {
         findings.extend(prover.judged(claim, &rows)?);
     }
-    for row in &rows {
-        if !claims.iter().any(|claim| claim.name == row.name) {
-            findings.push(format!("nothing is claimed by the row of {}", row.name));
-        }
-    }
+    let names: Vec<_> = claims.iter().map(|claim| claim.name.as_str()).collect();
+    findings.extend(superfluous(&rows, &names));
     ensure!(
         findings.is_empty(),
         "bounds of {DOCUMENT}:\n    {}",
@@ -99,6 +87,21 @@ fn rows(document: &str) -> Vec<Row> {
     document.lines().filter_map(row).collect()
 }
 
+/// Returns what is wrong with rows that no claim has, or that are not the only one of theirs.
+fn superfluous(rows: &[Row], claims: &[&str]) -> Vec<String> {
+    let mut findings = Vec::new();
+    for (index, row) in rows.iter().enumerate() {
+        let name = &row.name;
+        if !claims.contains(&name.as_str()) {
+            findings.push(format!("nothing is claimed by the row of {name}"));
+        }
+        if rows.iter().take(index).any(|other| other.name == *name) {
+            findings.push(format!("there is another row of {name}"));
+        }
+    }
+    findings
+}
+
 /// Gappa, and the directory of the scripts.
 struct Prover {
     gappa: PathBuf,
@@ -126,6 +129,7 @@ impl Prover {
                 row.bound
             )));
         }
+        self.keep(claim, &row.bound)?;
         let smaller = SMALLER * row.bound.parse::<f64>()?;
         if self.proves(claim, &format!("{smaller:e}"))? {
             let found = self.bound(claim)?;
@@ -157,12 +161,8 @@ impl Prover {
         Ok(three_digits_up(found))
     }
 
-    /// Runs the script of a claim, which stays in the directory.
-    fn run(&self, claim: &Claim, bound: Option<&str>) -> Result<(bool, String)> {
-        let script = claim
-            .script
-            .text(bound)
-            .with_context(|| claim.name.clone())?;
+    /// Leaves the script of a bound that is proved in the directory.
+    fn keep(&self, claim: &Claim, bound: &str) -> Result<()> {
         let file: String = claim
             .name
             .chars()
@@ -174,7 +174,14 @@ impl Prover {
                 }
             })
             .collect();
-        write(&self.out.join(format!("{file}.g")), &script)?;
+        let path = self.out.join(format!("{file}.g"));
+        let script = script(claim, Some(bound))?;
+        fs::write(&path, script).with_context(|| path.display().to_string())
+    }
+
+    /// Runs the script of a claim.
+    fn run(&self, claim: &Claim, bound: Option<&str>) -> Result<(bool, String)> {
+        let script = script(claim, bound)?;
         // A refusal would halve the ranges a hundred times before it is one.
         let mut gappa = Command::new(&self.gappa)
             .arg("-Eno-auto-dichotomy")
@@ -209,12 +216,14 @@ fn three_digits_up(number: f64) -> String {
     format!("{up:.2e}")
 }
 
-fn write(path: &Path, text: &str) -> Result<()> {
-    fs::write(path, text).with_context(|| path.display().to_string())
+fn script(claim: &Claim, bound: Option<&str>) -> Result<String> {
+    let text = claim.script.text(bound);
+    text.with_context(|| claim.name.clone())
 }
+
 #[cfg(test)]
 mod tests {
-    use super::{Row, rows, three_digits_up};
+    use super::*;
 
     #[test]
     fn rows_are_those_with_a_number() {
@@ -226,6 +235,76 @@ mod tests {
             unit: "of it".to_owned(),
         };
         assert_eq!(rows(document), [row]);
+    }
+
+    #[test]
+    fn row_without_a_claim_and_a_second_one_of_a_claim_are_found() {
+        let rows = rows("| a | 1 | nm |\n| b | 1 | nm |\n| a | 2 | 1 |");
+        let found = superfluous(&rows, &["a"]);
+        let expected = [
+            "nothing is claimed by the row of b",
+            "there is another row of a",
+        ];
+        assert_eq!(found, expected);
+        assert_eq!(superfluous(&rows[..2], &["a", "b"]), Vec::<String>::new());
+    }
+
+    /// With a program in the place of Gappa that proves a bound of 2 and no other.
+    #[cfg(unix)]
+    #[test]
+    fn script_that_stays_is_the_proved_one() {
+        use std::os::unix::fs::PermissionsExt as _;
+
+        use super::{function::Definitions, script::Unit};
+
+        let folder = xshell::Shell::new().unwrap().create_temp_dir().unwrap();
+        let gappa = folder.path().join("gappa");
+        let text = "#!/bin/sh\ngrep -q '<= 2 }' && exit\necho were not satisfied '{3,'\nexit 1\n";
+        fs::write(&gappa, text).unwrap();
+        fs::set_permissions(&gappa, fs::Permissions::from_mode(0o755)).unwrap();
+        let out = folder.path().to_owned();
+        let prover = Prover { gappa, out };
+        let script = script::Script {
+            definitions: Definitions::default(),
+            given: [].into(),
+            result: expression::Expression::Name("y".to_owned()),
+            unit: Unit::Nanometres,
+        };
+        let name = "y of x".to_owned();
+        let claim = Claim { name, script };
+        let kept = || fs::read_to_string(folder.path().join("y-of-x.g"));
+        for other in ["| y of x | 1 | nm |", "| y of x | 2 | 1 |"] {
+            assert!(prover.judged(&claim, &rows(other)).unwrap().is_some());
+            assert!(kept().is_err());
+        }
+        let found = prover.judged(&claim, &rows("| y of x | 2 | nm |"));
+        assert_eq!(found.unwrap(), None);
+        assert!(kept().unwrap().ends_with("<= 2 }\n"));
+    }
+
+    #[test]
+    fn bounds_that_the_library_states_are_those_of_the_document() {
+        let rows = rows(include_str!("../../../docs/rounding.md"));
+        let largest = |start: &str, camera: &str| {
+            let of = rows.iter().filter(|row| {
+                row.name.starts_with(start) && row.name.contains(camera) && row.unit == "nm"
+            });
+            let bounds = of.map(|row| row.bound.parse::<f64>().unwrap());
+            format!("{:.2} nm", bounds.reduce(f64::max).unwrap())
+        };
+        let distortion = largest("distortion d", "");
+        let brown = include_str!("../../../src/geometry/brown.rs");
+        assert!(brown.contains(&format!("Rounding ≤ {distortion} for the published")));
+        let correction = include_str!("../../../src/geometry/frame_correction.rs");
+        let correction = correction.replace("\n    /// ", " ");
+        let stated = [
+            format!("the distortion by at most {distortion}"),
+            format!("at most {} on the iXM", largest("corrected x", "ixm")),
+            format!("{} on the RC30", largest("corrected x", "rc30")),
+        ];
+        for text in stated {
+            assert!(correction.contains(&text), "{text}");
+        }
     }
 
     #[test]

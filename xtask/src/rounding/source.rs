@@ -1,14 +1,20 @@
 //! Source of the library: its functions and constants.
 
-use std::{collections::BTreeMap, fs, path::Path};
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    fs,
+    path::Path,
+};
 
-use anyhow::{Context as _, Result, bail};
+use anyhow::{Context as _, Result, bail, ensure};
 use syn::{Block, Expr, Item, ItemFn, Lit, Pat};
 
 /// Source file with its functions and constants.
 #[derive(Debug)]
 pub(super) struct Source {
     functions: BTreeMap<String, Function>,
+    /// Names of several functions each.
+    ambiguous: BTreeSet<String>,
     pub(super) constants: BTreeMap<String, Expr>,
 }
 
@@ -32,6 +38,7 @@ impl Source {
     pub(super) fn parse(text: &str) -> Result<Self> {
         let mut source = Self {
             functions: BTreeMap::new(),
+            ambiguous: BTreeSet::new(),
             constants: BTreeMap::new(),
         };
         for item in syn::parse_file(text)?.items {
@@ -61,11 +68,21 @@ impl Source {
         };
         let arguments = signature.inputs.iter().filter_map(typed).collect();
         let name = signature.ident.to_string();
-        self.functions.insert(name, Function { arguments, body });
+        let function = Function { arguments, body };
+        if self.functions.insert(name.clone(), function).is_some() {
+            self.ambiguous.insert(name);
+        }
     }
 
     /// Returns a function.
+    ///
+    /// # Errors
+    /// An error if there is none of that name, or more than one.
     pub(super) fn function(&self, name: &str) -> Result<&Function> {
+        ensure!(
+            !self.ambiguous.contains(name),
+            "there are several functions {name}"
+        );
         self.functions
             .get(name)
             .with_context(|| format!("there is no function {name}"))
@@ -88,5 +105,19 @@ pub(super) fn number(literal: &Lit) -> Result<String> {
     match literal {
         Lit::Float(float) => Ok(float.base10_digits().to_owned()),
         _ => bail!("a constant that is no number"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Source;
+
+    #[test]
+    fn function_of_which_there_are_two_is_an_error() {
+        let text = "impl A { fn f() {} fn g() {} } impl B { fn f() {} }";
+        let source = Source::parse(text).unwrap();
+        assert!(source.function("g").is_ok());
+        let error = source.function("f").unwrap_err().to_string();
+        assert_eq!(error, "there are several functions f");
     }
 }

@@ -15,6 +15,7 @@ pub(super) const CONTENTS: &[Entry] = &[
     Part("In the camera"),
     Page("Integration", "docs/integration.md"),
     Page("A board", "docs/board.md"),
+    Page("A calibration in flash", "docs/store.md"),
     Page("Load of the control loop", "docs/control_loop.md"),
     Page("The camera in C", "docs/c.md"),
     Part("Calibration"),
@@ -35,6 +36,7 @@ pub(super) const CONTENTS: &[Entry] = &[
     Page("Errata", "docs/errata.md"),
     Page("Derivations", "docs/derivations/README.md"),
     Page("Performance", "docs/performance.md"),
+    Page("Rounding", "docs/rounding.md"),
     Page("What is linked", "docs/supply-chain.md"),
     Page("Changes", "CHANGELOG.md"),
 ];

@@ -197,13 +197,16 @@ mod tests {
 
     #[test]
     fn every_document_of_docs_is_a_page() {
-        let source = Source::collect(root()).unwrap();
+        let is_page = |page: &Path| {
+            let mut entries = CONTENTS.iter();
+            entries.any(|entry| matches!(entry, Entry::Page(_, file) if page == Path::new(file)))
+        };
         let mut documents = 0;
         for entry in fs::read_dir(root().join("docs")).unwrap() {
             let path = entry.unwrap().path();
             if path.extension().is_some_and(|end| end == "md") {
                 let page = path.strip_prefix(root()).unwrap();
-                assert!(source.pages.contains_key(page), "{}", page.display());
+                assert!(is_page(page), "{}", page.display());
                 documents += 1;
             }
         }

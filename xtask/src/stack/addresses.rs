@@ -30,8 +30,8 @@ fn made(code: &Code, start: u32, end: u32) -> Vec<u32> {
                 found.extend(alone.map(u32::from));
             }
             Some((register, high, true)) => {
-                let low = lows.remove(&register);
-                found.extend(low.map(|low| u32::from(high) << 16 | u32::from(low)));
+                let low = lows.get(&register);
+                found.extend(low.map(|low| u32::from(high) << 16 | u32::from(*low)));
             }
             None => {}
         }

@@ -214,6 +214,7 @@ impl Walk<'_> {
         // Constants may follow the table.
         let constant = self.constants.range(table..code).next();
         let end = constant.copied().unwrap_or(code);
+        ensure!(end > table, "no table follows");
         let size = if halfwords { 2 } else { 1 };
         for entry in (table..end).step_by(size) {
             let distance = if halfwords {

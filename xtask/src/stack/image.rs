@@ -45,7 +45,6 @@ impl Code {
         let address = |address: u64| u32::try_from(address).context("address over 32 bits");
         let mut functions = BTreeMap::new();
         let mut marks = BTreeMap::new();
-        let mut named = BTreeMap::new();
         for symbol in file.symbols() {
             let name = symbol.name()?;
             let at = address(symbol.address())?;
@@ -53,7 +52,7 @@ impl Code {
                 // Symbols that the ABI of Arm puts between instructions and data.
                 Some("$t") => drop(marks.insert(at, false)),
                 Some("$d") if symbol.section_index().is_some() => drop(marks.insert(at, true)),
-                _ => drop(named.insert(name.to_owned(), at)),
+                _ => {}
             }
             if symbol.kind() == SymbolKind::Text && symbol.size() > 0 {
                 // Bit 0 of a function's address marks Thumb code.
@@ -90,8 +89,15 @@ impl Code {
             }
         }
         ensure!(!vectors.is_empty(), "the image has no vectors");
-        let symbol = |name: &str| named.get(name).with_context(|| format!("no symbol {name}"));
-        let room = symbol("_stack_start")?.checked_sub(*symbol("_stack_end")?);
+        let symbol = |name: &str| {
+            let symbol = file.symbol_by_name(name);
+            address(
+                symbol
+                    .with_context(|| format!("no symbol {name}"))?
+                    .address(),
+            )
+        };
+        let room = symbol("_stack_start")?.checked_sub(symbol("_stack_end")?);
         let ends = marks.keys().skip(1).copied().chain([u32::MAX]);
         let data = marks
             .iter()
@@ -135,6 +141,20 @@ impl Code {
             code.sections.insert(address, section);
         }
         code
+    }
+
+    /// Adds the vector of a handler.
+    #[cfg(test)]
+    pub(super) fn with_handler(mut self, address: u32) -> Self {
+        self.vectors.push(address | 1);
+        self
+    }
+
+    /// Makes a range data.
+    #[cfg(test)]
+    pub(super) fn with_data(mut self, data: Range<u32>) -> Self {
+        self.data.push(data);
+        self
     }
 
     /// Returns the functions that the vectors name, without the reset's.

@@ -66,7 +66,7 @@ impl Conditions {
 
     /// Returns the same instructions with the opposite conditions.
     pub(super) fn opposite(self) -> Self {
-        let stated = !self.stated;
+        let stated = !self.stated & ((1 << self.left) - 1);
         Self { stated, ..self }
     }
 

@@ -50,12 +50,18 @@ impl StackBound {
     /// An error that names the function if the size of its stack is not constant, if it calls by a
     /// pointer without a listed target, or if functions call each other in a circle.
     pub(crate) fn of(root: &Path, image: &Path) -> Result<Self> {
+        Self::with_code(root, image).map(|(bound, _)| bound)
+    }
+
+    /// Bounds the stack of an image, and returns its code too.
+    fn with_code(root: &Path, image: &Path) -> Result<(Self, Code)> {
         let elf = fs::read(image).with_context(|| image.display().to_string())?;
-        let bound = || {
+        let read = || -> Result<_> {
             let code = Code::read(&elf)?;
-            Self::of_code(&code, &PointerCalls::read(root)?)
+            let bound = Self::of_code(&code, &PointerCalls::read(root)?)?;
+            Ok((bound, code))
         };
-        bound().with_context(|| format!("stack of {}", image.display()))
+        read().with_context(|| format!("stack of {}", image.display()))
     }
 
     fn of_code(code: &Code, pointers: &PointerCalls) -> Result<Self> {
@@ -72,7 +78,7 @@ impl StackBound {
             .into_iter()
             .filter(|address| *address != reset && !code.handlers().contains(address))
             .map(|address| paths.name(address))
-            .filter(|name| !pointers.are_to(name))
+            .filter(|name| !pointers.are_to(code, name))
             .collect();
         ensure!(
             unlisted.is_empty(),
@@ -142,14 +148,13 @@ impl fmt::Display for StackBound {
 /// # Errors
 /// As [`StackBound::of`], or an error if the stack may leave its memory with less than a quarter of
 /// it to spare.
-pub(crate) fn check(root: &Path, image: &Path) -> Result<StackBound> {
-    let bound = StackBound::of(root, image)?;
+pub(crate) fn check(root: &Path, image: &Path) -> Result<()> {
+    let (bound, code) = StackBound::with_code(root, image)?;
     eprintln!("stack of {}:\n{bound}", image.display());
     bound.check_room()?;
-    let elf = fs::read(image).with_context(|| image.display().to_string())?;
     ensure!(
-        StackBound::of_code(&Code::read(&elf)?, &PointerCalls::NONE).is_err(),
+        StackBound::of_code(&code, &PointerCalls::NONE).is_err(),
         "the stack has a bound without {LIST}, although the image calls by pointers: the check is blind"
     );
-    Ok(bound)
+    Ok(())
 }

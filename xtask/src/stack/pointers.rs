@@ -58,9 +58,21 @@ impl PointerCalls {
         Ok(found)
     }
 
-    /// Returns true if the list has a function as a target.
-    pub(super) fn are_to(&self, function: &str) -> bool {
-        self.0.iter().any(|row| matches(&row.target, function))
+    /// Calls of the second function of each pair by the first.
+    #[cfg(test)]
+    pub(super) fn of(pairs: &[[&str; 2]]) -> Self {
+        let row = |[caller, target]: &[&str; 2]| PointerCall {
+            caller: (*caller).to_owned(),
+            target: (*target).to_owned(),
+        };
+        Self(pairs.iter().map(row).collect())
+    }
+
+    /// Returns true if the list has a function as a target of one of the image.
+    pub(super) fn are_to(&self, code: &Code, function: &str) -> bool {
+        let is_there = |caller: &str| code.functions().any(|(_, name)| matches(caller, name));
+        let mut rows = self.0.iter();
+        rows.any(|row| matches(&row.target, function) && is_there(&row.caller))
     }
 }
 

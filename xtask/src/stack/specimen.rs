@@ -10,7 +10,11 @@ const START: u32 = 0x100;
 /// Returns the bound of code whose first function is that of the reset, or why there is none.
 fn bound(functions: &[&[u16]]) -> Result<u32, String> {
     let code = Code::of_functions(START, 32, functions);
-    let bound = StackBound::of_code(&code, &PointerCalls::NONE);
+    bound_of(&code, &PointerCalls::NONE)
+}
+
+fn bound_of(code: &Code, pointers: &PointerCalls) -> Result<u32, String> {
+    let bound = StackBound::of_code(code, pointers);
     bound
         .map(|bound| bound.bytes())
         .map_err(|error| format!("{error:#}"))
@@ -46,6 +50,61 @@ fn pointer_without_a_listed_target_has_no_bound() {
         error.contains("does not list as targets:\n    f1"),
         "{error}"
     );
+    // And with a second upper half: movt r0, #1 and movt r0, #0.
+    let twice = [0xf240, 0x1021, 0xf2c0, 0x0001, 0xf2c0, 0x0000, 0x4770];
+    let error = bound(&[&twice, &[0x4770]]).unwrap_err();
+    assert!(error.contains("as targets:\n    f1"), "{error}");
+}
+
+#[test]
+fn listed_target_of_a_pointer_is_on_the_path() {
+    // push {r7, lr}; movw r0, #0x121; blx r0; pop {r7, pc}; and sub sp, #32; add sp, #32; bx lr
+    let caller = [0xb580, 0xf240, 0x1021, 0x4780, 0xbd80];
+    let code = Code::of_functions(START, 32, &[&caller, &[0xb088, 0xb008, 0x4770]]);
+    let listed = PointerCalls::of(&[["f0", "f1"]]);
+    assert_eq!(bound_of(&code, &listed), Ok(8 + 32));
+}
+
+#[test]
+fn target_of_a_caller_that_the_image_lacks_is_not_listed() {
+    // movw r0, #0x121; bx lr
+    let code = Code::of_functions(START, 32, &[&[0xf240, 0x1021, 0x4770], &[0x4770]]);
+    let error = bound_of(&code, &PointerCalls::of(&[["f2", "f1"]])).unwrap_err();
+    assert!(error.contains("as targets:\n    f1"), "{error}");
+    assert_eq!(bound_of(&code, &PointerCalls::of(&[["f0", "f1"]])), Ok(0));
+}
+
+#[test]
+fn handler_is_on_top_of_the_main_loop() {
+    let [eight, thirty_two] = [[0xb082, 0xb002, 0x4770], [0xb088, 0xb008, 0x4770]];
+    let code = Code::of_functions(START, 32, &[&eight, &thirty_two]).with_handler(START + 32);
+    assert_eq!(bound_of(&code, &PointerCalls::NONE), Ok(8 + 32 + 108));
+}
+
+#[test]
+fn every_target_of_a_table_is_followed() {
+    // tbb [pc, r0] with two targets, each of which makes room on the stack.
+    for (first, second) in [(2, 4), (4, 2)] {
+        let [down, up] = [0xb080, 0xb000];
+        let code = [
+            0xe8df,
+            0xf000,
+            0x0401,
+            down + first,
+            up + first,
+            0x4770,
+            down + second,
+            up + second,
+            0x4770,
+        ];
+        let code = Code::of_functions(START, 32, &[&code]).with_data(0x104..0x106);
+        assert_eq!(bound_of(&code, &PointerCalls::NONE), Ok(16));
+    }
+    // ldr r0, [pc, #4]; nop; tbb [pc, r0], and where the table would be, the constant
+    let code = [0x4801, 0xbf00, 0xe8df, 0xf000, 0, 0];
+    let code = Code::of_functions(START, 32, &[&code]).with_data(0x108..0x10c);
+    let error = bound_of(&code, &PointerCalls::NONE).unwrap_err();
+    assert!(error.contains("no table follows"), "{error}");
 }
 
 #[test]
@@ -63,6 +122,9 @@ fn stack_that_grows_in_a_loop_or_is_left_behind_has_no_bound() {
         error.contains("0 bytes deep by one path and 4 by another"),
         "{error}"
     );
+    // it ne; subne sp, #8; b .
+    let error = bound(&[&[0xbf18, 0xb082, 0xe7fe]]).unwrap_err();
+    assert!(error.contains("by another"), "{error}");
     // push {r4}; bx lr
     let error = bound(&[&[0xb410, 0x4770]]).unwrap_err();
     assert!(error.contains("it returns with 4 bytes"), "{error}");
@@ -101,8 +163,8 @@ fn no_source_of_the_firmware_sets_a_priority() {
                     .map(|entry| entry.unwrap().path()),
             );
         } else {
-            let text = fs::read_to_string(&path).unwrap();
-            assert!(!text.contains("set_priority"), "{}", path.display());
+            let text = fs::read_to_string(&path).unwrap().to_lowercase();
+            assert!(!text.contains("priority"), "{}", path.display());
             sources += 1;
         }
     }
