@@ -2,12 +2,14 @@
 
 use embedded_storage::nor_flash::{ErrorType, NorFlash, NorFlashErrorKind, ReadNorFlash};
 use fmc_camera::flight::calibration_id::{SerialNumber, Storage};
+use fmc_camera::flight::camera::{Camera, CameraParameters};
 use fmc_camera::flight::grid_memory::{GridMemory, GridMemoryError};
 use fmc_camera::geometry::grid::{GridCarrier, GridChecksums};
 use fmc_camera::geometry::range::Quantity;
 use fmc_camera::io::link::digest;
 use fmc_camera::io::store::{
-    CalibrationStore, LayoutError, MAX_SLOT_BYTES, NotStored, SEAL_WORDS, SlotFault, StoreStep,
+    CalibrationStore, LayoutError, MAX_SLOT_BYTES, NotStored, ProbePoint, SEAL_WORDS, SlotFault,
+    StoreStep,
 };
 
 use crate::store::calibrations::{calibration, flash_after, origin, store_in};
@@ -57,21 +59,31 @@ fn calibration_that_is_stored_already_is_not_written_again() {
     }
 }
 
+/// Checks that a store of version 7 refuses a calibration and does not touch the flash.
+fn assert_refused(
+    store: &mut CalibrationStore<FlashModel>,
+    parameters: &CameraParameters,
+    memory: Option<&mut GridMemory>,
+    reason: NotStored,
+) {
+    let refused = store.store(parameters, &origin(8), memory);
+    assert_eq!(refused, Err(reason));
+    assert_eq!(store.flash_mut().operations, [], "{reason}");
+}
+
 #[test]
 fn calibration_of_another_camera_or_of_a_lower_version_is_refused() {
-    let mut store = store_in(flash_after(&[7]));
+    let mut store = store_in(flash_after(&[7]).started());
     let mut other = calibration(8);
     other.serial = SerialNumber::new("RC30-5283").unwrap();
     let camera = calibration(7).serial;
-    let refused = store.store(&other, &origin(8), None);
-    assert_eq!(refused, Err(NotStored::OtherCamera { camera }));
-    let refused = store.store(&calibration(6), &origin(6), None);
-    assert_eq!(refused, Err(NotStored::Older { stored: 7 }));
+    assert_refused(&mut store, &other, None, NotStored::OtherCamera { camera });
+    let older = NotStored::Older { stored: 7 };
+    assert_refused(&mut store, &calibration(6), None, older);
     assert_holds_seven(&mut store);
     // A camera that knows its own number compares that, also before anything is stored.
     let mut store = store_in(FlashModel::blank()).of_camera(camera);
-    let refused = store.store(&other, &origin(8), None);
-    assert_eq!(refused, Err(NotStored::OtherCamera { camera }));
+    assert_refused(&mut store, &other, None, NotStored::OtherCamera { camera });
     assert!(store.load(None).unwrap_err().is_blank());
 }
 
@@ -81,24 +93,26 @@ fn calibration_that_is_not_usable_or_whose_grids_are_not_in_use_is_refused() {
     let mut bad = calibration(8);
     bad.calibration.pixel_um = -1.0;
     let error = Quantity::PixelUm.check(-1.0).unwrap_err();
-    let refused = store.store(&bad, &origin(8), None);
-    assert_eq!(refused, Err(NotStored::Calibration(error.into())));
+    let unusable = NotStored::Calibration(error.into());
+    assert_refused(&mut store, &bad, None, unusable);
+    // A stage so far from its plane that its image is out of focus.
+    let mut unfocused = calibration(8);
+    unfocused.calibration.flatness.coefficients_um[0] = 900.0;
+    let error = ProbePoint::of(&Camera::new(unfocused).unwrap(), None).unwrap_err();
+    assert_refused(&mut store, &unfocused, None, NotStored::Frame(error));
     let mut gridded = calibration(8);
     gridded.grids = GridChecksums {
         lens: Some(1),
         sensor: None,
     };
-    let refused = store.store(&gridded, &origin(8), None);
-    assert_eq!(refused, Err(NotStored::NoGridMemory));
+    assert_refused(&mut store, &gridded, None, NotStored::NoGridMemory);
     let mut memory = Box::new(GridMemory::EMPTY);
-    let refused = store.store(&gridded, &origin(8), Some(&mut memory));
     let missing = GridMemoryError::Missing {
         carrier: GridCarrier::Lens,
         crc32: 1,
     };
-    assert_eq!(refused, Err(NotStored::Grids(missing)));
-    let erased = |operation: &Operation| matches!(operation, Operation::Erase(_));
-    assert!(!store.flash_mut().operations.iter().any(erased));
+    let missing = NotStored::Grids(missing);
+    assert_refused(&mut store, &gridded, Some(&mut memory), missing);
     assert_holds_seven(&mut store);
 }
 
