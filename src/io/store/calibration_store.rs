@@ -128,10 +128,12 @@ impl<F: NorFlash> CalibrationStore<F> {
     /// the slot is written that is not the newest good one. A calibration that is stored already is
     /// not written again.
     ///
+    /// The buffers of `memory` that are not in use serve to read what is stored: grids that are
+    /// being uploaded are lost.
+    ///
     /// # Errors
-    /// [`NotStored`]; a start then finds what was stored before. It may find the new calibration
-    /// only after [`NotStored::Flash`] at the commit word or a seal, words 0 to
-    /// [`SEAL_WORDS`](super::SEAL_WORDS).
+    /// [`NotStored`]: the flash is as it was, except after [`NotStored::Flash`], which says what a
+    /// start finds.
     pub fn store(
         &mut self,
         parameters: &CameraParameters,
