@@ -29,6 +29,8 @@ struct Findings {
     cuts: usize,
     /// Starts after a cut.
     starts: usize,
+    /// Starts that found a calibration from before a store that must not be undone.
+    undone: usize,
     /// Starts that found a calibration other than the old one and the new one.
     neither: usize,
     /// Starts that found none though one was stored.
@@ -43,6 +45,7 @@ impl Findings {
     fn add(&mut self, other: &Self) {
         self.cuts += other.cuts;
         self.starts += other.starts;
+        self.undone += other.undone;
         self.neither += other.neither;
         self.missed += other.missed;
         self.not_recovered += other.not_recovered;
@@ -50,8 +53,14 @@ impl Findings {
     }
 
     fn wrong(&self) -> usize {
-        self.neither + self.missed + self.not_recovered + self.written_again
+        self.undone + self.neither + self.missed + self.not_recovered + self.written_again
     }
+}
+
+/// What a start may find, and what it might find: the versions that were there before the store.
+struct Allowed<'a> {
+    found: Vec<Start>,
+    before: &'a [Start],
 }
 
 /// Cuts that are tried.
@@ -76,7 +85,7 @@ fn store<F: Order>(flash: FlashModel, version: u16) -> (FlashModel, bool) {
 }
 
 /// Starts twice, and counts what is found wrong with either.
-fn start<F: Order>(flash: &FlashModel, allowed: &[Start], findings: &mut Findings) {
+fn start<F: Order>(flash: &FlashModel, allowed: &Allowed<'_>, findings: &mut Findings) {
     let mut store = CalibrationStore::new(F::before(flash.clone()), 0).unwrap();
     for _ in 0..2 {
         let found = store.load(None).ok().map(|stored| {
@@ -86,8 +95,9 @@ fn start<F: Order>(flash: &FlashModel, allowed: &[Start], findings: &mut Finding
             version
         });
         findings.starts += 1;
-        if !allowed.contains(&found) {
+        if !allowed.found.contains(&found) {
             match found {
+                Some(_) if allowed.before.contains(&found) => findings.undone += 1,
                 Some(_) => findings.neither += 1,
                 None => findings.missed += 1,
             }
@@ -117,12 +127,13 @@ fn commit_of(cuts: &[(usize, Operation, Cut)]) -> usize {
 }
 
 /// Returns what starts may find after a cut: before the commit word, in it, and behind it.
-fn allowed(number: usize, commit: usize, before: &[Start], new: u16) -> Vec<Start> {
-    match number.cmp(&commit) {
+fn allowed(number: usize, commit: usize, before: &[Start], new: u16) -> Allowed<'_> {
+    let found = match number.cmp(&commit) {
         core::cmp::Ordering::Less => before.to_vec(),
         core::cmp::Ordering::Equal => [before, &[Some(new)]].concat(),
         core::cmp::Ordering::Greater => vec![Some(new)],
-    }
+    };
+    Allowed { found, before }
 }
 
 /// Cuts a store into a flash at every word, and the store after it.
@@ -173,8 +184,13 @@ fn cut_again<F: Order>(
         start::<F>(&flash, &allowed, findings);
         let (flash, is_stored) = store::<F>(flash, LAST);
         findings.not_recovered += usize::from(!is_stored);
+        findings.written_again += flash.written_again;
         let mut last = Findings::default();
-        start::<F>(&flash.started(), &[Some(LAST)], &mut last);
+        let allowed = Allowed {
+            found: vec![Some(LAST)],
+            before: &[],
+        };
+        start::<F>(&flash.started(), &allowed, &mut last);
         findings.starts += last.starts;
         findings.not_recovered += last.neither + last.missed;
     }
@@ -235,14 +251,15 @@ fn supply_that_fails_twice_leaves_the_old_calibration_or_the_new() {
 fn supply_that_fails_twice_at_any_word_leaves_the_old_calibration_or_the_new() {
     let findings = tried::<FlashModel>(ALL);
     println!("{findings:?}");
-    assert!(findings.cuts > 1_000_000, "{findings:?}");
+    // docs/store.md has these numbers.
+    assert_eq!((findings.cuts, findings.starts), (1_531_430, 6_118_812));
     assert_eq!(findings.wrong(), 0, "{findings:?}");
 }
 
 #[test]
 fn store_that_writes_the_commit_word_first_is_caught() {
     let findings = tried::<CommitFirst>(SAMPLE);
-    assert!(findings.neither > 0, "{findings:?}");
+    assert!(findings.undone > 0, "{findings:?}");
 }
 
 #[test]

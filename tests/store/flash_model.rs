@@ -82,7 +82,7 @@ pub(crate) struct FlashModel {
     /// Number of the operation that is cut, and how.
     cut: Option<(usize, Cut)>,
     is_without_supply: bool,
-    /// Words that were written again though they did not read as blank.
+    /// Words that were written again since the last start though they did not read as blank.
     pub(crate) written_again: usize,
     /// Sector and index of unstable words that have read as blank: nobody can know that they were
     /// begun.
@@ -106,6 +106,7 @@ impl FlashModel {
     /// Returns the flash after its supply has come back.
     pub(crate) fn started(mut self) -> Self {
         self.operations.clear();
+        self.written_again = 0;
         self.cut = None;
         self.is_without_supply = false;
         self

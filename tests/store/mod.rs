@@ -16,3 +16,4 @@ mod grids;
 mod images;
 mod orders;
 mod refusals;
+mod short_words;

@@ -1,13 +1,17 @@
-//! Calibrations that are not stored, and flashes that do not take them: what was stored stays.
+//! Calibrations that are not stored, and flashes that do not take them: what a start finds then.
+
+use core::ops::Range;
 
 use embedded_storage::nor_flash::{ErrorType, NorFlash, NorFlashErrorKind, ReadNorFlash};
 use fmc_camera::flight::calibration_id::{SerialNumber, Storage};
+use fmc_camera::flight::camera::{Camera, CameraParameters};
 use fmc_camera::flight::grid_memory::{GridMemory, GridMemoryError};
 use fmc_camera::geometry::grid::{GridCarrier, GridChecksums};
 use fmc_camera::geometry::range::Quantity;
 use fmc_camera::io::link::digest;
 use fmc_camera::io::store::{
-    CalibrationStore, LayoutError, MAX_SLOT_BYTES, NotStored, SEAL_WORDS, SlotFault, StoreStep,
+    CalibrationStore, LayoutError, MAX_SLOT_BYTES, NotStored, ProbePoint, SEAL_WORDS, SlotFault,
+    StoreStep,
 };
 
 use crate::store::calibrations::{calibration, flash_after, origin, store_in};
@@ -57,21 +61,31 @@ fn calibration_that_is_stored_already_is_not_written_again() {
     }
 }
 
+/// Checks that a store of version 7 refuses a calibration and does not touch the flash.
+fn assert_refused(
+    store: &mut CalibrationStore<FlashModel>,
+    parameters: &CameraParameters,
+    memory: Option<&mut GridMemory>,
+    reason: NotStored,
+) {
+    let refused = store.store(parameters, &origin(8), memory);
+    assert_eq!(refused, Err(reason));
+    assert_eq!(store.flash_mut().operations, [], "{reason}");
+}
+
 #[test]
 fn calibration_of_another_camera_or_of_a_lower_version_is_refused() {
-    let mut store = store_in(flash_after(&[7]));
+    let mut store = store_in(flash_after(&[7]).started());
     let mut other = calibration(8);
     other.serial = SerialNumber::new("RC30-5283").unwrap();
     let camera = calibration(7).serial;
-    let refused = store.store(&other, &origin(8), None);
-    assert_eq!(refused, Err(NotStored::OtherCamera { camera }));
-    let refused = store.store(&calibration(6), &origin(6), None);
-    assert_eq!(refused, Err(NotStored::Older { stored: 7 }));
+    assert_refused(&mut store, &other, None, NotStored::OtherCamera { camera });
+    let older = NotStored::Older { stored: 7 };
+    assert_refused(&mut store, &calibration(6), None, older);
     assert_holds_seven(&mut store);
     // A camera that knows its own number compares that, also before anything is stored.
     let mut store = store_in(FlashModel::blank()).of_camera(camera);
-    let refused = store.store(&other, &origin(8), None);
-    assert_eq!(refused, Err(NotStored::OtherCamera { camera }));
+    assert_refused(&mut store, &other, None, NotStored::OtherCamera { camera });
     assert!(store.load(None).unwrap_err().is_blank());
 }
 
@@ -81,24 +95,26 @@ fn calibration_that_is_not_usable_or_whose_grids_are_not_in_use_is_refused() {
     let mut bad = calibration(8);
     bad.calibration.pixel_um = -1.0;
     let error = Quantity::PixelUm.check(-1.0).unwrap_err();
-    let refused = store.store(&bad, &origin(8), None);
-    assert_eq!(refused, Err(NotStored::Calibration(error.into())));
+    let unusable = NotStored::Calibration(error.into());
+    assert_refused(&mut store, &bad, None, unusable);
+    // A stage so far from its plane that its image is out of focus.
+    let mut unfocused = calibration(8);
+    unfocused.calibration.flatness.coefficients_um[0] = 900.0;
+    let error = ProbePoint::of(&Camera::new(unfocused).unwrap(), None).unwrap_err();
+    assert_refused(&mut store, &unfocused, None, NotStored::Frame(error));
     let mut gridded = calibration(8);
     gridded.grids = GridChecksums {
         lens: Some(1),
         sensor: None,
     };
-    let refused = store.store(&gridded, &origin(8), None);
-    assert_eq!(refused, Err(NotStored::NoGridMemory));
+    assert_refused(&mut store, &gridded, None, NotStored::NoGridMemory);
     let mut memory = Box::new(GridMemory::EMPTY);
-    let refused = store.store(&gridded, &origin(8), Some(&mut memory));
     let missing = GridMemoryError::Missing {
         carrier: GridCarrier::Lens,
         crc32: 1,
     };
-    assert_eq!(refused, Err(NotStored::Grids(missing)));
-    let erased = |operation: &Operation| matches!(operation, Operation::Erase(_));
-    assert!(!store.flash_mut().operations.iter().any(erased));
+    let missing = NotStored::Grids(missing);
+    assert_refused(&mut store, &gridded, Some(&mut memory), missing);
     assert_holds_seven(&mut store);
 }
 
@@ -107,13 +123,23 @@ fn calibration_that_is_not_usable_or_whose_grids_are_not_in_use_is_refused() {
 struct Worn {
     model: FlashModel,
     fails_to_erase: bool,
-    /// Index of the word that it does not take.
-    refused: Option<usize>,
+    /// Indices of the words that it does not take.
+    refused: Range<usize>,
     /// Index of the word in which a bit stays 1.
     stuck: Option<usize>,
 }
 
 impl Worn {
+    /// Returns a flash with versions 6 and 7, in the second slot, that does everything.
+    fn sound() -> Self {
+        Self {
+            model: flash_after(&[6, 7]),
+            fails_to_erase: false,
+            refused: 0..0,
+            stuck: None,
+        }
+    }
+
     fn index(offset: u32) -> usize {
         usize::try_from(offset).unwrap() % SECTOR / 32
     }
@@ -148,7 +174,7 @@ impl NorFlash for Worn {
 
     fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), Self::Error> {
         let word = Self::index(offset);
-        if self.refused == Some(word) {
+        if self.refused.contains(&word) {
             return Err(NorFlashErrorKind::Other);
         }
         let mut bytes = bytes.to_vec();
@@ -162,12 +188,6 @@ impl NorFlash for Worn {
 
 #[test]
 fn flash_that_is_worn_is_named_and_what_was_stored_stays() {
-    let sound = || Worn {
-        model: flash_after(&[6, 7]),
-        fails_to_erase: false,
-        refused: None,
-        stuck: None,
-    };
     let refused = |worn: Worn| {
         let mut store = CalibrationStore::new(worn, 0).unwrap();
         let refused = store.store(&calibration(8), &origin(8), None).unwrap_err();
@@ -182,21 +202,21 @@ fn flash_that_is_worn_is_named_and_what_was_stored_stays() {
     };
     let step = refused(Worn {
         fails_to_erase: true,
-        ..sound()
+        ..Worn::sound()
     });
     assert_eq!(step, StoreStep::Erase);
-    let words = sound().model.sectors[0].len();
+    let words = Worn::sound().model.sectors[0].len();
     let body = 1 + usize::from(SEAL_WORDS);
     for index in (0..1).chain(body..words) {
         let word = u16::try_from(index).unwrap();
         let step = refused(Worn {
-            refused: Some(index),
-            ..sound()
+            refused: index..index + 1,
+            ..Worn::sound()
         });
         assert_eq!(step, StoreStep::Write { word });
         let step = refused(Worn {
             stuck: Some(index),
-            ..sound()
+            ..Worn::sound()
         });
         assert_eq!(step, StoreStep::Compare { word });
     }
@@ -204,22 +224,39 @@ fn flash_that_is_worn_is_named_and_what_was_stored_stays() {
 
 #[test]
 fn seal_that_the_flash_does_not_take_is_written_into_the_next_word() {
-    let mut worn = CalibrationStore::new(
-        Worn {
-            model: flash_after(&[6, 7]),
-            fails_to_erase: false,
-            refused: Some(1),
-            stuck: Some(2),
-        },
-        0,
-    )
-    .unwrap();
+    let worn = Worn {
+        refused: 1..2,
+        stuck: Some(2),
+        ..Worn::sound()
+    };
+    let mut worn = CalibrationStore::new(worn, 0).unwrap();
     assert!(worn.store(&calibration(8), &origin(8), None).is_ok());
     let flash = worn.into_flash().model;
     assert_eq!(flash.sectors[0][1], Cell::Blank);
     let stored = store_in(flash).load(None).unwrap();
     assert!(stored.is_sealed);
     assert_eq!(stored.parameters, calibration(8));
+}
+
+#[test]
+fn flash_that_takes_no_seal_is_named_and_a_start_finds_the_new_calibration() {
+    let worn = Worn {
+        refused: 1..1 + usize::from(SEAL_WORDS),
+        ..Worn::sound()
+    };
+    let mut worn = CalibrationStore::new(worn, 0).unwrap();
+    let refused = worn.store(&calibration(8), &origin(8), None);
+    let step = StoreStep::Write { word: 1 };
+    assert_eq!(refused, Err(NotStored::Flash { slot: 0, step }));
+    let stored = worn.load(None).unwrap();
+    assert_eq!(stored.parameters, calibration(8));
+    assert!(!stored.is_sealed);
+    // The next store is written over it; cut before its commit word, it leaves version 7.
+    worn.flash_mut().refused = 8..9;
+    let refused = worn.store(&calibration(9), &origin(9), None);
+    let step = StoreStep::Write { word: 8 };
+    assert_eq!(refused, Err(NotStored::Flash { slot: 0, step }));
+    assert_holds_seven(&mut worn);
 }
 
 #[test]

@@ -18,7 +18,7 @@ use crate::{
 /// Cargo's arguments for the tests on the host, the same everywhere, so that cargo builds nothing
 /// twice.
 pub(crate) const TESTED: &str =
-    "--workspace --exclude hil --features fmc-camera/nmea,fmc-camera/mavlink";
+    "--workspace --exclude hil --features fmc-camera/nmea,fmc-camera/mavlink,fmc-camera/store";
 
 /// Features of the library, each of which must compile by itself, and none of them.
 const FEATURES: [&str; 8] = [

@@ -199,3 +199,38 @@ impl<'a> Contents<'a> {
         Ok(head)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::layout::HEAD_BYTES;
+    use super::super::origin::{LABORATORY_BYTES, LENS_BYTES};
+    use super::*;
+
+    /// Returns a probe point all of whose numbers take as many bytes as can be.
+    fn longest_probe() -> ProbePoint {
+        let mut bytes = std::vec![0; 5 * 4];
+        for _ in 0..4 {
+            bytes.extend([0xff, 0xff, 0xff, 0xff, 0x0f]);
+        }
+        let probe: ProbePoint = postcard::from_bytes(&bytes).unwrap();
+        assert_eq!(probe.bits(), [u32::MAX; 4]);
+        probe
+    }
+
+    #[test]
+    fn longest_record_fits_a_slot() {
+        let [lens, laboratory] = [LENS_BYTES, LABORATORY_BYTES].map(|bytes| "x".repeat(bytes));
+        let file = [0xff; MAX_FILE_BYTES];
+        let grid_bytes = u16::try_from(file.len()).unwrap();
+        let head = Head {
+            origin: Origin::new(&lens, &laboratory, "2026-05-17").unwrap(),
+            probe: longest_probe(),
+            grid_bytes: [grid_bytes; 2],
+            camera: Vec::from_slice(&[0xff; CALIBRATION_CAPACITY]).unwrap(),
+        };
+        let body = Body::new(&head, [&file, &file]).unwrap();
+        assert_eq!(body.head_bytes, HEAD_BYTES, "no byte is reserved in vain");
+        assert_eq!(body.commit(1).unwrap().words, MAX_BODY_WORDS);
+        assert_eq!(body.words().count(), usize::from(MAX_BODY_WORDS));
+    }
+}

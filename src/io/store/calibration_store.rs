@@ -128,10 +128,12 @@ impl<F: NorFlash> CalibrationStore<F> {
     /// the slot is written that is not the newest good one. A calibration that is stored already is
     /// not written again.
     ///
+    /// The buffers of `memory` that are not in use serve to read what is stored: grids that are
+    /// being uploaded are lost.
+    ///
     /// # Errors
-    /// [`NotStored`]; a start then finds what was stored before. It may find the new calibration
-    /// only after [`NotStored::Flash`] at the commit word or a seal, words 0 to
-    /// [`SEAL_WORDS`](super::SEAL_WORDS).
+    /// [`NotStored`]: the flash is as it was, except after [`NotStored::Flash`], which says what a
+    /// start finds.
     pub fn store(
         &mut self,
         parameters: &CameraParameters,
@@ -149,21 +151,25 @@ impl<F: NorFlash> CalibrationStore<F> {
                 return Err(NotStored::Older { stored });
             }
         }
-        let (target, sequence, is_sealed) = match &found {
+        let (target, sequence, last_seal) = match &found {
             Ok(found) => self.target(found, memory.as_deref_mut()),
             Err(nothing) => self.first_target(nothing),
         };
         let memory = memory.as_deref();
         let files = head::files_in_use(parameters, memory)?;
         let head = head::of(&camera, parameters, origin, memory, files)?;
-        if let Ok(found) = found
-            && is_sealed
-            && found.record.head == head
-        {
-            return Ok(found.stored(true));
-        }
         let body = Body::new(&head, files).ok_or(NotStored::TooLong)?;
         let commit = body.commit(sequence).ok_or(NotStored::TooLong)?;
+        // From here on nothing is refused, and the flash is written.
+        if let (Ok(found), Some(last)) = (found, last_seal) {
+            // The seal that was seen may have been cut itself, and be blank when it is read again.
+            // Therefore a further one is written before anything is erased: if it could not be, the
+            // flash is worn, and the record is sound all the same.
+            self.slot(found.slot).seal_behind(last);
+            if found.record.head == head {
+                return Ok(found.stored(true));
+            }
+        }
         #[expect(clippy::cast_possible_truncation, reason = "0 or 1")]
         let slot = target as u8;
         self.write(target, &body, commit)
@@ -232,34 +238,32 @@ impl<F: NorFlash> CalibrationStore<F> {
         Ok((commit, record))
     }
 
-    /// Returns the slot to be written beside a record, the number of the next, and whether a seal
-    /// shows that the record's store was carried to its end.
-    ///
-    /// A seal that was seen may have been cut itself, and be blank when it is read again. Therefore
-    /// a further one is written before anything is erased: if it could not be, the flash is worn,
-    /// and the record is sound all the same.
-    fn target(&mut self, found: &Found, memory: Option<&mut GridMemory>) -> (usize, u32, bool) {
+    /// Returns the slot to be written beside a record, the number of the next, and the record's last
+    /// seal, which shows that its store was carried to its end. Nothing is written.
+    fn target(
+        &mut self,
+        found: &Found,
+        memory: Option<&mut GridMemory>,
+    ) -> (usize, u32, Option<u16>) {
         let next = found.commit.sequence.wrapping_add(1);
         let other = 1 - found.slot;
-        let mut slot = self.slot(found.slot);
-        if let Some(last) = slot.last_seal() {
-            slot.seal_behind(last);
-            return (other, next, true);
+        if let Some(last) = self.slot(found.slot).last_seal() {
+            return (other, next, Some(last));
         }
         match self.judge(other, found.other, memory) {
-            Ok(_) => (found.slot, next, false),
-            Err(_) => (other, next, false),
+            Ok(_) => (found.slot, next, None),
+            Err(_) => (other, next, None),
         }
     }
 
     /// Returns the same where there is no record: a slot that is not blank is written again, so
     /// that none is left behind that may be read as whole later.
-    fn first_target(&mut self, nothing: &NothingStored) -> (usize, u32, bool) {
+    fn first_target(&mut self, nothing: &NothingStored) -> (usize, u32, Option<u16>) {
         let numbers = self.commits().into_iter().flatten();
         let last = numbers.map(|commit| commit.sequence).max().unwrap_or(0);
         let [first, second] = nothing.slots;
         let is_second = first == SlotFault::Blank && second != SlotFault::Blank;
-        (usize::from(is_second), last.wrapping_add(1), false)
+        (usize::from(is_second), last.wrapping_add(1), None)
     }
 
     /// Writes a record into a slot.

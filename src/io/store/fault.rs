@@ -159,7 +159,8 @@ pub enum StoreStep {
     },
 }
 
-/// The reason why a calibration is not stored. What was stored before is as it was.
+/// The reason why a calibration is not stored. All but [`NotStored::Flash`] leave the flash as it
+/// was.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum NotStored {
@@ -185,7 +186,14 @@ pub enum NotStored {
     Frame(FrameError),
     /// It is longer than a slot.
     TooLong,
-    /// The flash does not do what it is told: it is worn or locked.
+    /// The flash does not do what it is told: it is worn or locked. What a start finds depends on
+    /// the step:
+    ///
+    /// - erasure, and words of the body: the calibration before; the one before that if the newest
+    ///   had no seal, since that is written over;
+    /// - word 0, the commit word: the calibration before or the new one, perhaps not the same at
+    ///   every start;
+    /// - word 1, which stands for all seals: the new one, without a seal.
     Flash {
         /// Slot that was to be written, 0 or 1.
         slot: u8,

@@ -19,7 +19,7 @@ pub const FORMAT_VERSION: u16 = 1;
 
 /// Most bytes of a record's head: its length, the texts of the origin with theirs, five numbers of
 /// the probe point and four that take up to five bytes, two lengths of grids, and the parameters.
-const HEAD_BYTES: usize = 2
+pub(super) const HEAD_BYTES: usize = 2
     + (3 + LENS_BYTES + LABORATORY_BYTES + DATE_BYTES)
     + (5 * 4 + 4 * 5)
     + 2 * 3
