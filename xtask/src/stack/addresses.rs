@@ -18,24 +18,40 @@ pub(super) fn kept(code: &Code) -> BTreeSet<u32> {
     functions.map(|value| value & !1).collect()
 }
 
-/// Returns the values that instructions MOVW and MOVT put into a register; MOVW alone puts those
-/// below 65,536.
+/// Returns the values that instructions MOVW and MOVT put into a register; MOVW without a MOVT puts
+/// those below 65,536. More than one MOVT may follow, which keep the lower half.
 fn made(code: &Code, start: u32, end: u32) -> Vec<u32> {
-    let mut lows: BTreeMap<u16, u16> = BTreeMap::new();
+    let mut lows: BTreeMap<u16, Low> = BTreeMap::new();
     let mut found = Vec::new();
     for (_, first, second) in code.instructions(start, end) {
         match Instruction::half(first, second) {
-            Some((register, low, false)) => {
-                let alone = lows.insert(register, low);
-                found.extend(alone.map(u32::from));
+            Some((register, half, false)) => {
+                let is_alone = true;
+                let before = lows.insert(register, Low { half, is_alone });
+                found.extend(before.and_then(Low::alone));
             }
             Some((register, high, true)) => {
-                let low = lows.get(&register);
-                found.extend(low.map(|low| u32::from(high) << 16 | u32::from(*low)));
+                if let Some(low) = lows.get_mut(&register) {
+                    low.is_alone = false;
+                    found.push(u32::from(high) << 16 | u32::from(low.half));
+                }
             }
             None => {}
         }
     }
-    found.extend(lows.into_values().map(u32::from));
+    found.extend(lows.into_values().filter_map(Low::alone));
     found
+}
+
+/// Lower half of a register.
+struct Low {
+    half: u16,
+    /// True until an upper half is put above it.
+    is_alone: bool,
+}
+
+impl Low {
+    fn alone(self) -> Option<u32> {
+        self.is_alone.then(|| self.half.into())
+    }
 }
