@@ -220,7 +220,7 @@ mod tests {
     #[test]
     fn longest_record_fits_a_slot() {
         let [lens, laboratory] = [LENS_BYTES, LABORATORY_BYTES].map(|bytes| "x".repeat(bytes));
-        let file = [0xff; MAX_FILE_BYTES];
+        let file = std::vec![0xff; MAX_FILE_BYTES];
         let grid_bytes = u16::try_from(file.len()).unwrap();
         let head = Head {
             origin: Origin::new(&lens, &laboratory, "2026-05-17").unwrap(),
