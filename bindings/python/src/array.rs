@@ -6,12 +6,16 @@ use numpy::{
     BorrowError, Element, PyArrayDyn, PyArrayMethods, PyUntypedArray, PyUntypedArrayMethods,
 };
 use pyo3::prelude::*;
+use pyo3::types::PyTuple;
 
 use crate::coordinate::Coordinate;
 use crate::error;
 
 /// Points that are computed before a signal is looked for: some milliseconds.
 const BETWEEN_SIGNALS: usize = 1 << 22;
+
+/// Numbers from which on an array may need more memory than there is: 8 MB in double precision.
+const LARGE: usize = 1 << 20;
 
 /// Points, and where their answers go.
 #[derive(Debug, Clone, Copy)]
@@ -182,7 +186,7 @@ fn typed<'py, T: Coordinate + Element>(
     };
     let answers = match arguments.out {
         Some(out) => place(out, points)?,
-        None => PyArrayDyn::zeros(py, points.shape(), false),
+        None => room(points)?,
     };
     let given = given
         .try_readonly()
@@ -207,6 +211,25 @@ fn typed<'py, T: Coordinate + Element>(
     })?;
     drop(borrowed);
     Ok(answers.into_any())
+}
+
+/// Returns new memory for the answers to points.
+///
+/// # Errors
+/// `MemoryError`.
+fn room<'py, T: Coordinate + Element>(
+    points: &Bound<'py, PyArrayDyn<T>>,
+) -> PyResult<Bound<'py, PyArrayDyn<T>>> {
+    let py = points.py();
+    if points.len() < LARGE {
+        return Ok(PyArrayDyn::zeros(py, points.shape(), false));
+    }
+    // NumPy itself says that there is too little memory; the binding would panic.
+    let shape = PyTuple::new(py, points.shape())?;
+    let made = py
+        .import("numpy")?
+        .call_method1("zeros", (shape, points.dtype()))?;
+    Ok(made.cast_into::<PyArrayDyn<T>>()?)
 }
 
 /// Returns `out` as the place of the answers to points.

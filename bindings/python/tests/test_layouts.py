@@ -1,7 +1,10 @@
 """Shapes, strides, types and memory of arrays."""
 
 import gc
+import mmap
 import resource
+import subprocess
+import sys
 import threading
 
 import numpy as np
@@ -184,3 +187,52 @@ def test_calls_keep_no_memory():
             FRAME.correct(points[:, :1])
     # 300 answers are 480 MB; a tenth of one call may stay.
     assert peak() - before < 20_000
+
+
+def zeros(count):
+    """Points (0, 0) in single precision without memory, until they are written."""
+    flags = mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS | getattr(mmap, "MAP_NORESERVE", 0x4000)
+    return np.frombuffer(mmap.mmap(-1, 8 * count, flags=flags), np.float32).reshape(-1, 2)
+
+
+def test_more_points_than_32_bits_count_are_possible():
+    points = zeros(2**31 + 2)
+    points[-1] = 1e6
+    with pytest.raises(fmc_camera.PointOffSensor) as caught:
+        FRAME.correct(points, inplace=True, off_sensor="error")
+    assert caught.value.index == 2**31 + 1
+    assert not points[0].any()
+
+
+WITHOUT_MEMORY = """
+import resource, sys
+import numpy as np
+import fmc_camera
+
+frame = fmc_camera.Camera.from_toml(sys.argv[1]).frame(0.17, 1 / 200)
+points = np.zeros((2**26, 2))
+with open("/proc/self/status") as status:
+    used = next(int(line.split()[1]) << 10 for line in status if line.startswith("VmSize"))
+resource.setrlimit(resource.RLIMIT_AS, (used + 2**29, -1))
+for many in [points, points[:, ::-1]]:
+    for method in [frame.correct, frame.correct_px]:
+        try:
+            method(many)
+        except MemoryError:
+            continue
+        sys.exit("no MemoryError")
+"""
+
+
+def test_points_without_memory_for_their_answers_are_an_error_of_python():
+    done = subprocess.run(
+        [sys.executable, "-c", WITHOUT_MEMORY, IXM], capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+
+
+def test_one_point_that_stands_for_many_is_refused_where_it_would_be_copied():
+    many = np.broadcast_to(POINTS[0], (2**31, 2))
+    for options in [{"inplace": True}, {"out": POINTS}]:
+        with pytest.raises(fmc_camera.Layout, match="points: not contiguous in C order"):
+            FRAME.correct(many, **options)
