@@ -49,9 +49,7 @@ pub fn inline(svg: String) -> String {
         Some((_, rest)) => {
             // viewBox="0 0 1500 900"
             let width = rest.split_whitespace().nth(2).unwrap_or("1000");
-            format!(
-                "<svg xmlns=\"http://www.w3.org/2000/svg\" role=\"img\" style=\"--width:{width}\" viewBox{rest}"
-            )
+            format!("<svg role=\"img\" style=\"--width:{width}\" viewBox{rest}")
         }
         None => svg,
     }
@@ -70,5 +68,7 @@ mod tests {
             part.contains("style=\"--width:1500\" viewBox=\"0 0 1500 900\""),
             "{part}"
         );
+        // Twice would be no XML.
+        assert_eq!(part.matches("xmlns=").count(), 1, "{part}");
     }
 }
