@@ -1,4 +1,4 @@
-//! Fuzz target of autopilot messages: `cargo +nightly fuzz run mavlink`.
+//! Fuzz target of autopilot messages: `cargo xtask fuzz mavlink`.
 
 #![no_main]
 

@@ -1,4 +1,4 @@
-//! Fuzz target of satellite sentences: `cargo +nightly fuzz run nmea`.
+//! Fuzz target of satellite sentences: `cargo xtask fuzz nmea`.
 
 #![no_main]
 

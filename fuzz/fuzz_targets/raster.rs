@@ -1,4 +1,4 @@
-//! Fuzz target of frames in TIFF files: `cargo +nightly fuzz run raster`.
+//! Fuzz target of frames in TIFF files: `cargo xtask fuzz raster`.
 
 #![no_main]
 

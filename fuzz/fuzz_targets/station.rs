@@ -1,4 +1,4 @@
-//! Fuzz target of requests to a camera: `cargo +nightly fuzz run station`.
+//! Fuzz target of requests to a camera: `cargo xtask fuzz station`.
 
 #![no_main]
 

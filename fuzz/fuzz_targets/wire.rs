@@ -1,4 +1,4 @@
-//! Fuzz target of the wire format: `cargo +nightly fuzz run wire`.
+//! Fuzz target of the wire format: `cargo xtask fuzz wire`.
 
 #![no_main]
 

@@ -4,6 +4,8 @@
 #[cfg(test)]
 mod command_line;
 #[cfg(test)]
+mod damaged_files;
+#[cfg(test)]
 mod firmware;
 #[cfg(test)]
 mod frame_timing;

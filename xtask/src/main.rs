@@ -1,4 +1,4 @@
-//! Commands of the README: `cargo xtask verify`, `test`, `firmware`, `bench` and `aarch64`.
+//! Commands of the README: `cargo xtask verify`, `test` and others.
 //!
 //! Each command does its own set-up, so that a fresh machine needs no other command. [`route`]
 //! decides how the target is built, [`machine`] collects the facts for that decision, [`tools`]
@@ -13,10 +13,12 @@ mod board_flight;
 mod c;
 mod checks;
 mod cores;
+mod crate_program;
 mod emulator;
 mod equipment;
 mod exchange;
 mod firmware;
+mod fuzz;
 mod kernel;
 mod machine;
 mod missing;
@@ -120,6 +122,21 @@ enum Command {
         #[arg(long)]
         update: bool,
     },
+    /// Feed hostile input to what reads it, guided by what the code has not done yet
+    ///
+    /// Targets and their properties are in fuzz. Needs a C++ compiler for libFuzzer; cargo builds
+    /// cargo-fuzz into target/tools where the search path has none. Input that fails stays in
+    /// target/fuzz/artifacts/TARGET, new input in target/fuzz/found/TARGET.
+    Fuzz {
+        /// Targets; all without any
+        targets: Vec<String>,
+        /// Time for each, s
+        #[arg(long, default_value_t = 60, value_parser = clap::value_parser!(u32).range(1..))]
+        seconds: u32,
+        /// Add to fuzz/corpus the smallest set of the new input that reaches all that was reached
+        #[arg(long)]
+        keep: bool,
+    },
     /// Check formatting, lints, documentation and tests
     ///
     /// On the host: formatting, lints, documentation and tests. For the target: lints, builds, and
@@ -181,6 +198,17 @@ fn main() -> ExitCode {
         ),
         Command::Supply { update } => (
             Workspace::new().and_then(|workspace| supply::run(&workspace, update)),
+            CHECK_FAILED,
+        ),
+        Command::Fuzz {
+            targets,
+            seconds,
+            keep,
+        } => (
+            Workspace::new().and_then(|workspace| {
+                let fuzzing = fuzz::Fuzzing { seconds, keep };
+                fuzzing.run(&workspace, &targets)
+            }),
             CHECK_FAILED,
         ),
         Command::Test { only, among_others } => (

@@ -4,7 +4,6 @@
 mod blocks;
 mod contents;
 mod links;
-mod program;
 mod source;
 
 use std::{
@@ -18,9 +17,17 @@ use anyhow::{Context as _, Result, bail};
 use xshell::cmd;
 
 use self::source::Source;
-use crate::{NOT_STARTED, workspace::Workspace};
+use crate::{NOT_STARTED, crate_program::CrateProgram, workspace::Workspace};
 
-/// mdBook's settings.
+/// mdBook, which makes pages of the documents.
+pub(crate) const MDBOOK: CrateProgram = CrateProgram {
+    name: "mdbook",
+    version: "0.5.4",
+    before_version: "mdbook v",
+    options: "--no-default-features",
+};
+
+/// Its settings.
 const SETTINGS: &str = include_str!("book.toml");
 const STYLE: &str = include_str!("site.css");
 
@@ -29,7 +36,7 @@ const STYLE: &str = include_str!("site.css");
 /// # Errors
 /// An error if a link is dead.
 pub(crate) fn run(workspace: &Workspace) -> Result<ExitCode> {
-    if let Err(error) = program::find(workspace) {
+    if let Err(error) = MDBOOK.find(workspace) {
         eprintln!("xtask: the site was not built: {error:#}");
         return Ok(ExitCode::from(NOT_STARTED));
     }
@@ -44,7 +51,7 @@ pub(crate) fn run(workspace: &Workspace) -> Result<ExitCode> {
 /// An error if it cannot be built, or if a link is dead.
 pub(crate) fn check(workspace: &Workspace) -> Result<()> {
     let source = Source::collect(&workspace.root)?;
-    let mdbook = program::find(workspace)?;
+    let mdbook = MDBOOK.find(workspace)?;
     let book = workspace.target_dir.join("site-source");
     let site = workspace.target_dir.join("site");
     let _lock = Workspace::lock(&workspace.target_dir.join("site-lock"), "builds the site")?;

@@ -6,14 +6,14 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use anyhow::{Context as _, Result};
+use anyhow::{Context as _, Result, ensure};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use crate::workspace::Workspace;
 
 /// Name of an image, and cargo's arguments that choose it.
-pub(super) const IMAGES: [(&str, &str); 5] = [
+pub(super) const IMAGES: [(&str, &str); 6] = [
     (
         "qemu",
         "-p fmc-camera --features board-mps2 --target thumbv7em-none-eabihf",
@@ -28,6 +28,7 @@ pub(super) const IMAGES: [(&str, &str); 5] = [
         "wheel",
         "-p fmc-camera-python --target x86_64-unknown-linux-gnu",
     ),
+    ("web", "-p fmc-camera-web --target wasm32-unknown-unknown"),
 ];
 
 /// A crate in an image: a row of the list.
@@ -57,7 +58,10 @@ pub(super) fn parts(workspace: &Workspace) -> Result<BTreeSet<Part>> {
             "tree --locked {arguments} -e normal,no-proc-macro --prefix none"
         ));
         let tree = tree.args(["--format", "{p}|{l}"]).read()?;
-        for (name, version, licence) in tree.lines().filter_map(line) {
+        let lines = tree.lines().filter(|line| !line.trim().is_empty());
+        for text in lines.clone() {
+            let part = line(text).with_context(|| format!("cargo tree: {text:?}"));
+            let (name, version, licence) = part?;
             let key = (name.to_owned(), version.to_owned());
             let folder = sources
                 .get(&key)
@@ -73,6 +77,7 @@ pub(super) fn parts(workspace: &Workspace) -> Result<BTreeSet<Part>> {
                 has_unsafe: if found { "yes" } else { "no" }.to_owned(),
             });
         }
+        ensure!(lines.count() > 0, "cargo tree: {image} holds no crate");
     }
     Ok(parts)
 }
@@ -89,7 +94,7 @@ fn line(line: &str) -> Option<(&str, &str, &str)> {
 /// Returns the folders of the packages' sources, by name and version.
 fn sources(workspace: &Workspace) -> Result<BTreeMap<(String, String), PathBuf>> {
     let metadata = workspace.cargo(
-        "metadata --locked --all-features --format-version 1 --filter-platform x86_64-unknown-linux-gnu --filter-platform thumbv7em-none-eabihf",
+        "metadata --locked --all-features --format-version 1 --filter-platform x86_64-unknown-linux-gnu --filter-platform thumbv7em-none-eabihf --filter-platform wasm32-unknown-unknown",
     );
     let metadata: Value = serde_json::from_str(&metadata.read()?)?;
     let packages = metadata.get("packages").and_then(Value::as_array);

@@ -2,6 +2,7 @@
 
 mod image;
 mod rules;
+mod unsafe_list;
 
 use std::{collections::BTreeSet, path::Path, process::ExitCode};
 
@@ -28,11 +29,12 @@ pub(crate) fn run(workspace: &Workspace, update: bool) -> Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Checks what the images hold against the list and the rules.
+/// Checks what the images hold against the list and the rules, and the project's own `unsafe`.
 ///
 /// # Errors
 /// An error that names every crate that is not listed, or breaks a rule.
 pub(crate) fn check(workspace: &Workspace) -> Result<()> {
+    unsafe_list::check(&workspace.root)?;
     let parts = image::parts(workspace)?;
     let mut faults = rules::faults(&parts);
     faults.extend(differences(&read(&workspace.root.join(LIST))?, &parts));

@@ -1,7 +1,6 @@
 //! Tests of the exchange with other programs, as a user of the library would check it.
 
 #[cfg(test)]
-mod damaged;
 #[cfg(test)]
 mod distorting;
 #[cfg(test)]

@@ -1,0 +1,11 @@
+//! Fuzz target of headers of arrays: `cargo xtask fuzz npy`.
+
+#![no_main]
+
+#[allow(dead_code, reason = "each program runs one of the targets")]
+#[path = "../files.rs"]
+mod files;
+
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
+    files::npy(bytes);
+});
