@@ -10,6 +10,7 @@ use super::judgement::{self, Record};
 use super::layout::{LayoutError, MAX_SLOT_BYTES, WORD_BYTES};
 use super::origin::Origin;
 use super::slot::{BODY, Slot, Word};
+use super::stored_record::StoredRecord;
 use crate::flight::calibration_id::{CalibrationId, SerialNumber, Storage};
 use crate::flight::camera::{Camera, CameraParameters};
 use crate::flight::grid_memory::GridMemory;
@@ -29,27 +30,26 @@ pub struct CalibrationStore<F> {
 pub struct StoredCalibration {
     /// Parameters of the camera, serial number and version of the calibration among them.
     pub parameters: CameraParameters,
-    /// Origin of the calibration.
-    pub origin: Origin,
-    /// Slot in which it lies, 0 or 1.
-    pub slot: u8,
-    /// Fault of the other slot; `None` if its record is older, or was not read.
-    pub other: Option<SlotFault>,
-    /// `true` if a seal shows that the store was carried to its end. Otherwise it was cut, and a
-    /// later start may find the calibration before: it is to be stored again.
-    pub is_sealed: bool,
+    /// What a camera tells of it.
+    pub record: StoredRecord,
 }
 
 impl StoredCalibration {
-    /// Identity of the calibration.
-    #[must_use]
-    pub fn id(&self) -> CalibrationId {
-        CalibrationId {
-            serial: self.parameters.serial,
-            version: self.parameters.version,
-            crc: digest::of_camera(&self.parameters),
-            storage: Storage::Stored,
-        }
+    fn new(parameters: CameraParameters, origin: Origin, slot: usize) -> Self {
+        let record = StoredRecord {
+            id: CalibrationId {
+                serial: parameters.serial,
+                version: parameters.version,
+                crc: digest::of_camera(&parameters),
+                storage: Storage::Stored,
+            },
+            origin,
+            #[expect(clippy::cast_possible_truncation, reason = "0 or 1")]
+            slot: slot as u8,
+            other: None,
+            is_sealed: true,
+        };
+        Self { parameters, record }
     }
 }
 
@@ -170,17 +170,11 @@ impl<F: NorFlash> CalibrationStore<F> {
                 return Ok(found.stored(true));
             }
         }
-        #[expect(clippy::cast_possible_truncation, reason = "0 or 1")]
-        let slot = target as u8;
+        let stored = StoredCalibration::new(*parameters, head.origin, target);
+        let slot = stored.record.slot;
         self.write(target, &body, commit)
             .map_err(|step| NotStored::Flash { slot, step })?;
-        Ok(StoredCalibration {
-            parameters: *parameters,
-            origin: head.origin,
-            slot,
-            other: None,
-            is_sealed: true,
-        })
+        Ok(stored)
     }
 
     /// Finds the newest record that this camera can use. Each commit word is read once.
@@ -309,14 +303,11 @@ impl<F: NorFlash> CalibrationStore<F> {
 
 impl Found {
     fn stored(self, is_sealed: bool) -> StoredCalibration {
-        StoredCalibration {
-            parameters: self.record.parameters,
-            origin: self.record.head.origin,
-            #[expect(clippy::cast_possible_truncation, reason = "0 or 1")]
-            slot: self.slot as u8,
-            other: self.other.err(),
-            is_sealed,
-        }
+        let Record { head, parameters } = self.record;
+        let mut stored = StoredCalibration::new(parameters, head.origin, self.slot);
+        stored.record.other = self.other.err();
+        stored.record.is_sealed = is_sealed;
+        stored
     }
 }
 
