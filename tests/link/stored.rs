@@ -9,7 +9,7 @@ use fmc_camera::flight::fault::Fault;
 use fmc_camera::geometry::sensor::SensorPoint;
 use fmc_camera::io::link::message::{Answer, Header, Refusal, Request};
 use fmc_camera::io::link::station::LinkEvent;
-use fmc_camera::io::store::{CalibrationStore, NotStored, SlotFault, StoreStep, StoredRecord};
+use fmc_camera::io::store::{CalibrationStore, NotStored, SlotFault, StoreStep, StoredIdentity};
 
 use crate::link::in_flight::Flight;
 use crate::link::pc::{Pc, SESSION, packet};
@@ -58,13 +58,16 @@ fn identity(pc: &mut Pc) -> Option<CalibrationId> {
 
 fn points(pc: &mut Pc) -> Answer {
     let exposed = pc.ask(&Request::Expose(Exposure::new(0.02, 0.005)));
-    assert!(matches!(exposed, Answer::InteriorOrientation(_)), "{exposed:?}");
+    assert!(
+        matches!(exposed, Answer::InteriorOrientation(_)),
+        "{exposed:?}"
+    );
     let points = [(12.5, -7.25), (-20.0, 15.0)];
     let points = points.map(|(x_mm, y_mm)| SensorPoint::new(x_mm, y_mm));
     pc.ask(&Request::Correct(points.into_iter().collect()))
 }
 
-fn record(answer: Answer) -> StoredRecord {
+fn record(answer: Answer) -> StoredIdentity {
     match answer {
         Answer::Stored(Ok(record)) => record,
         other => panic!("{other:?}"),
@@ -165,6 +168,10 @@ fn store_needs_a_store_a_calibration_standby_a_good_supply_and_no_records() {
     let mut flight = Flight::loaded();
     let _ = flight.pc.station.load_stored(&mut flash);
     flight.prepare();
+    assert_eq!(
+        refused(store(&mut flight.pc, &mut flash, 3)),
+        Refusal::NotStandby(State::Fault(Fault::Watchdog))
+    );
     flight.arm();
     assert_eq!(
         refused(store(&mut flight.pc, &mut flash, 3)),
@@ -178,10 +185,6 @@ fn store_needs_a_store_a_calibration_standby_a_good_supply_and_no_records() {
         Refusal::SupplyLow
     );
     flight.round(Some(Event::Supply(Supply::Good)));
-    flight.round(Some(Event::Drive(Fault::Drive)));
-    let in_fault = refused(store(&mut flight.pc, &mut flash, 3));
-    assert_eq!(in_fault, Refusal::NotStandby(State::Fault(Fault::Drive)));
-    flight.round(Some(Event::Command(Command::ClearFault)));
     flight.round(Some(Event::Trigger));
     assert_eq!(
         refused(store(&mut flight.pc, &mut flash, 3)),
@@ -222,7 +225,7 @@ fn older_version_and_a_flash_that_fails_are_refused_with_their_reasons() {
         store(&mut pc, &mut flash, 4),
         Answer::Refused(Refusal::NotStored(older))
     );
-    // What is in use stays, volatile.
+    // The calibration in use stays, volatile.
     assert_eq!(identity(&mut pc).unwrap().version, 4);
     assert_eq!(record(pc.ask(&Request::Stored)).id.version, 5);
 

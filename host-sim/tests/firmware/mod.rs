@@ -18,4 +18,6 @@ mod mission;
 #[cfg(test)]
 mod program;
 #[cfg(test)]
+mod store;
+#[cfg(test)]
 mod wire;

@@ -5,7 +5,7 @@ use fmc_camera::flight::{fault::Fault, in_doubt::InDoubt};
 use fmc_camera::io::link::message::ResetCause;
 use fmc_camera::io::link::station::LinkEvent;
 #[cfg(feature = "store")]
-use fmc_camera::io::store::{NothingStored, StoredRecord};
+use fmc_camera::io::store::{NothingStored, StoredIdentity};
 
 /// Logs the first line.
 pub(crate) fn note_start(board: &str, build: &str, start: ResetCause) {
@@ -20,7 +20,7 @@ pub(crate) fn note_start(board: &str, build: &str, start: ResetCause) {
 
 /// Logs what the start has found in the store.
 #[cfg(feature = "store")]
-pub(crate) fn note_stored(found: &Result<StoredRecord, NothingStored>) {
+pub(crate) fn note_stored(found: &Result<StoredIdentity, NothingStored>) {
     match found {
         Ok(record) => defmt::info!(
             "calibration {=u32:#010x} of slot {=u8}",

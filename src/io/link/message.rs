@@ -29,7 +29,7 @@ use crate::geometry::mesh::vertex::VertexRow;
 use crate::geometry::sensor::SensorPoint;
 use crate::io::instruments::WireBytes;
 use crate::io::instruments::counters::InstrumentCounters;
-use crate::io::store::{NothingStored, Origin, StoredRecord};
+use crate::io::store::{NothingStored, Origin, StoredIdentity};
 
 /// A batch of points.
 pub type Points = Vec<SensorPoint, MAX_POINTS>;
@@ -210,7 +210,7 @@ pub enum Answer {
     /// The residual grid is complete and sound: parameters may state it.
     GridLoaded(GridCarrier),
     /// The calibration that is stored, or what is wrong with either slot.
-    Stored(Result<StoredRecord, NothingStored>),
+    Stored(Result<StoredIdentity, NothingStored>),
 }
 
 /// The reason why the camera runs.

@@ -28,8 +28,8 @@
 //!
 //! A [`message::Request::ConnectReading`] opens a second session beside it, for reading alone:
 //! status, counters, what is stored, and frame records with their acknowledgement. It ends neither
-//! session nor flight of the other. Its requests may be repeated, so that they are answered anew, whatever
-//! their numbers.
+//! session nor flight of the other. Its requests may be repeated, so that they are answered anew,
+//! whatever their numbers.
 //!
 //! The camera acts only on a whole packet with the right CRC, of this version, that decodes to its
 //! last byte, from the open session and in order. Everything else is counted

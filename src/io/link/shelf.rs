@@ -1,17 +1,17 @@
-//! What the link knows of the board's store.
+//! The board's store as the link knows it.
 
 use super::deck::FlightDeck;
 use super::message::{Header, Refusal};
 use super::{deck, message::Answer};
 use crate::flight::camera::CameraParameters;
 use crate::flight::controller::state::State;
-use crate::io::store::{NothingStored, Origin, StoredRecord};
+use crate::io::store::{NothingStored, Origin, StoredIdentity};
 
 /// The store as the start has found it, and the calibration that may be stored.
 #[derive(Debug)]
 pub(super) struct Shelf {
     /// `None` in a camera without a store.
-    pub(super) found: Option<Result<StoredRecord, NothingStored>>,
+    pub(super) found: Option<Result<StoredIdentity, NothingStored>>,
     /// Parameters in use.
     pub(super) in_use: Option<CameraParameters>,
     /// Request that waits for the board, and the origin that it states.
@@ -28,7 +28,10 @@ impl Shelf {
 
     /// Says what is stored.
     pub(super) fn tell(&self) -> Result<Answer, Refusal> {
-        self.found.clone().map(Answer::Stored).ok_or(Refusal::NoStore)
+        self.found
+            .clone()
+            .map(Answer::Stored)
+            .ok_or(Refusal::NoStore)
     }
 
     /// Takes the order to store the calibration in use, which the board carries out.

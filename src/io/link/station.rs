@@ -16,7 +16,7 @@ use crate::flight::calibration_id::{CalibrationId, Storage};
 use crate::flight::camera::CameraParameters;
 use crate::flight::grid_memory::GridMemory;
 #[cfg(feature = "store")]
-use crate::io::store::{CalibrationStore, NothingStored, StoredRecord};
+use crate::io::store::{CalibrationStore, NothingStored, StoredIdentity};
 #[cfg(feature = "store")]
 use embedded_storage::nor_flash::NorFlash;
 
@@ -109,7 +109,7 @@ impl<Deck: FlightDeck> Station<Deck> {
     pub fn load_stored<F: NorFlash>(
         &mut self,
         store: &mut CalibrationStore<F>,
-    ) -> &Result<StoredRecord, NothingStored> {
+    ) -> &Result<StoredIdentity, NothingStored> {
         self.responder.start_from(store)
     }
 

@@ -9,7 +9,7 @@ use super::responder::Responder;
 use super::{deck, digest};
 use crate::flight::calibration_id::{CalibrationId, Storage};
 use crate::flight::camera::CameraParameters;
-use crate::io::store::{CalibrationStore, NothingStored, Origin, StoredRecord};
+use crate::io::store::{CalibrationStore, NothingStored, Origin, StoredIdentity};
 
 impl<Deck: FlightDeck> Responder<Deck> {
     /// Puts the stored calibration into use; notes what was found.
@@ -17,13 +17,13 @@ impl<Deck: FlightDeck> Responder<Deck> {
     pub(super) fn start_from<F: NorFlash>(
         &mut self,
         store: &mut CalibrationStore<F>,
-    ) -> &Result<StoredRecord, NothingStored> {
+    ) -> &Result<StoredIdentity, NothingStored> {
         let loaded = store.load(self.grids.memory_mut());
         let found = loaded.map(|stored| {
             // The store has made the same checks: a refusal leaves a camera without a calibration,
             // which its identity shows.
             let _ = self.put_stored_into_use(&stored.parameters);
-            stored.record
+            stored.identity
         });
         self.shelf.found.insert(found)
     }
@@ -50,14 +50,14 @@ impl<Deck: FlightDeck> Responder<Deck> {
         match store.store(&parameters, origin, self.grids.memory_mut()) {
             Ok(stored) => {
                 let id = self.put_stored_into_use(&parameters)?;
-                let found = self.shelf.found.insert(Ok(stored.record));
+                let found = self.shelf.found.insert(Ok(stored.identity));
                 self.reply.send(header, &Answer::Stored(found.clone()));
                 Ok(LinkEvent::Loaded(id))
             }
             Err(error) => {
                 // The flash may hold something else now.
                 let found = store.load(self.grids.memory_mut());
-                self.shelf.found = Some(found.map(|stored| stored.record));
+                self.shelf.found = Some(found.map(|stored| stored.identity));
                 Err(Refusal::NotStored(error))
             }
         }

@@ -10,7 +10,7 @@ use super::judgement::{self, Record};
 use super::layout::{LayoutError, MAX_SLOT_BYTES, WORD_BYTES};
 use super::origin::Origin;
 use super::slot::{BODY, Slot, Word};
-use super::stored_record::StoredRecord;
+use super::stored_identity::StoredIdentity;
 use crate::flight::calibration_id::{CalibrationId, SerialNumber, Storage};
 use crate::flight::camera::{Camera, CameraParameters};
 use crate::flight::grid_memory::GridMemory;
@@ -30,13 +30,13 @@ pub struct CalibrationStore<F> {
 pub struct StoredCalibration {
     /// Parameters of the camera, serial number and version of the calibration among them.
     pub parameters: CameraParameters,
-    /// What a camera tells of it.
-    pub record: StoredRecord,
+    /// The same without its numbers, for the link.
+    pub identity: StoredIdentity,
 }
 
 impl StoredCalibration {
     fn new(parameters: CameraParameters, origin: Origin, slot: usize) -> Self {
-        let record = StoredRecord {
+        let identity = StoredIdentity {
             id: CalibrationId {
                 serial: parameters.serial,
                 version: parameters.version,
@@ -49,7 +49,10 @@ impl StoredCalibration {
             other: None,
             is_sealed: true,
         };
-        Self { parameters, record }
+        Self {
+            parameters,
+            identity,
+        }
     }
 }
 
@@ -171,7 +174,7 @@ impl<F: NorFlash> CalibrationStore<F> {
             }
         }
         let stored = StoredCalibration::new(*parameters, head.origin, target);
-        let slot = stored.record.slot;
+        let slot = stored.identity.slot;
         self.write(target, &body, commit)
             .map_err(|step| NotStored::Flash { slot, step })?;
         Ok(stored)
@@ -232,8 +235,8 @@ impl<F: NorFlash> CalibrationStore<F> {
         Ok((commit, record))
     }
 
-    /// Returns the slot to be written beside a record, the number of the next, and the record's last
-    /// seal, which shows that its store was carried to its end. Nothing is written.
+    /// Returns the slot to be written beside a record, the number of the next, and the record's
+    /// last seal, which shows that its store was carried to its end. Nothing is written.
     fn target(
         &mut self,
         found: &Found,
@@ -305,8 +308,8 @@ impl Found {
     fn stored(self, is_sealed: bool) -> StoredCalibration {
         let Record { head, parameters } = self.record;
         let mut stored = StoredCalibration::new(parameters, head.origin, self.slot);
-        stored.record.other = self.other.err();
-        stored.record.is_sealed = is_sealed;
+        stored.identity.other = self.other.err();
+        stored.identity.is_sealed = is_sealed;
         stored
     }
 }

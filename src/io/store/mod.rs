@@ -28,7 +28,7 @@
 //! `docs/store.md` has the layout in bytes, what is lost when, and how every cut is tried.
 
 //! # Without the feature `store`
-//! The link alone has what its messages tell: [`Origin`], [`StoredRecord`] and the faults.
+//! The link alone has what its messages tell: [`Origin`], [`StoredIdentity`] and the faults.
 
 #[cfg(feature = "store")]
 mod body;
@@ -47,7 +47,7 @@ mod origin;
 mod probe_point;
 #[cfg(feature = "store")]
 mod slot;
-mod stored_record;
+mod stored_identity;
 
 #[cfg(feature = "store")]
 pub use calibration_store::{CalibrationStore, StoredCalibration};
@@ -58,4 +58,4 @@ pub use layout::{
 pub use origin::{DATE_BYTES, LABORATORY_BYTES, LENS_BYTES, Origin, OriginError};
 #[cfg(feature = "store")]
 pub use probe_point::ProbePoint;
-pub use stored_record::StoredRecord;
+pub use stored_identity::StoredIdentity;

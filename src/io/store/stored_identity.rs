@@ -1,4 +1,4 @@
-//! What a camera tells of the calibration that it has stored.
+//! Identity of a stored calibration, as the link tells it.
 
 use serde::{Deserialize, Serialize};
 
@@ -8,7 +8,7 @@ use crate::flight::calibration_id::CalibrationId;
 
 /// A stored calibration without its numbers.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct StoredRecord {
+pub struct StoredIdentity {
     /// Identity: serial number, version, CRC-32.
     pub id: CalibrationId,
     /// Origin.
