@@ -113,7 +113,8 @@ impl Controller {
     }
 
     /// Returns `true` unless the supply is too low to move the stage.
-    pub(crate) const fn is_supply_good(&self) -> bool {
+    #[must_use]
+    pub const fn is_supply_good(&self) -> bool {
         self.readiness.is_supply_good()
     }
 
