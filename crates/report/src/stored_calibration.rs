@@ -26,7 +26,7 @@ pub fn write_text(
                 text => text.to_owned(),
             };
             let other = record.other.map_or_else(
-                || "an older calibration, or none that was read".to_owned(),
+                || "older, or not read".to_owned(),
                 |fault| fault.to_string(),
             );
             let seal = if record.is_sealed {

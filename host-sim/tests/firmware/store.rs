@@ -1,12 +1,13 @@
 //! The calibration in the flash of the firmware in QEMU, through resets and kills of the machine.
 
-use std::fs::OpenOptions;
+use std::fs::{self, OpenOptions};
 use std::os::unix::fs::FileExt as _;
 use std::path::Path;
 use std::process::Command;
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
+use assert_cmd::cargo::cargo_bin;
 use fmc_camera::flight::calibration_id::{SerialNumber, Storage};
 use fmc_camera::geometry::frame_correction::Corrected;
 use fmc_camera::io::link::message::Refusal;
@@ -231,4 +232,62 @@ fn calibration_of_another_camera_and_an_older_one_are_not_stored_and_a_run_witho
         assert_eq!(refused, Refusal::NotStored(refusal));
         assert_eq!(stored(&mut qemu).id.version, 4);
     }
+}
+
+#[test]
+#[ignore = "needs QEMU and the image: cargo xtask test"]
+fn program_stores_a_camera_file_and_tells_it_in_another_run() {
+    let folder = tempfile::tempdir().unwrap();
+    let published = Path::new(env!("CARGO_MANIFEST_DIR")).join("cameras/rc30-5324.toml");
+    let published = fs::read_to_string(published).unwrap();
+    let file = format!("serial = \"5324\"\nversion = 2\n{published}");
+    fs::write(folder.path().join("camera.toml"), file).unwrap();
+    fs::write(folder.path().join("letter"), "Dear").unwrap();
+    let run = |flash: &str, action: &[&str]| {
+        let device = ["camera", "--device", "qemu", "--flash", flash];
+        let mut command = Command::new(cargo_bin!("host-sim"));
+        command.current_dir(folder.path()).args(device).args(action);
+        command.output().unwrap()
+    };
+    let text = |action: &[&str]| {
+        let output = run("flash", action);
+        let stderr = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success(), "{stderr}");
+        String::from_utf8(output.stdout).unwrap()
+    };
+    let nothing = text(&["stored"]);
+    assert!(
+        nothing.contains("none is stored") && nothing.contains("slot 1       blank"),
+        "{nothing}"
+    );
+    let origin = ["--laboratory", "USGS", "--date", "2004-06-01"];
+    let without = run("flash", &[&["store"], &origin[..]].concat());
+    let stderr = String::from_utf8_lossy(&without.stderr).into_owned();
+    assert!(
+        stderr.contains("no calibration is loaded") && stderr.contains("--camera"),
+        "{stderr}"
+    );
+    let said = text(&[&["store", "--camera", "camera.toml"], &origin[..]].concat());
+    let found = text(&["stored"]);
+    for text in [&said, &found] {
+        for part in [
+            "serial 5324, version 2, CRC-32 ",
+            "stored\n",
+            "USGS",
+            "2004-06-01",
+            "it stays",
+        ] {
+            assert!(text.contains(part), "{part}: {text}");
+        }
+    }
+    let json: serde_json::Value = serde_json::from_str(&text(&["stored", "--json"])).unwrap();
+    assert_eq!(json["calibration"]["version"], 2);
+    assert_eq!(json["laboratory"], "USGS");
+    assert_eq!(json["lens"], serde_json::Value::Null);
+    assert_eq!(json["slot_faults"][1], "blank");
+    let letter = run("letter", &["stored"]);
+    let stderr = String::from_utf8_lossy(&letter.stderr).into_owned();
+    assert_eq!(letter.status.code(), Some(2), "{stderr}");
+    assert!(stderr.contains("--flash letter: is no flash"), "{stderr}");
+    assert_eq!(fs::read(folder.path().join("letter")).unwrap(), b"Dear");
 }

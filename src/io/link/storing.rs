@@ -4,7 +4,7 @@ use embedded_storage::nor_flash::NorFlash;
 
 use super::deck::FlightDeck;
 use super::link_event::LinkEvent;
-use super::message::{Answer, Header, Refusal};
+use super::message::{Header, Refusal};
 use super::responder::Responder;
 use super::{deck, digest};
 use crate::flight::calibration_id::{CalibrationId, Storage};
@@ -28,41 +28,61 @@ impl<Deck: FlightDeck> Responder<Deck> {
         self.shelf.found.insert(found)
     }
 
-    /// Stores the calibration in use as it was ordered, and answers.
-    #[inline(never)]
+    /// Stores the calibration in use as it was ordered, and answers. The steps follow each other,
+    /// so that none needs the stack of another.
     pub(super) fn carry_out<F: NorFlash>(&mut self, store: &mut CalibrationStore<F>) -> LinkEvent {
         let Some((header, origin)) = self.shelf.ordered.take() else {
             return LinkEvent::Answered;
         };
-        let done = self.store(store, header, &origin);
+        let done = match self.store(store, &origin) {
+            Ok(()) => self.use_stored(),
+            Err(refusal) => {
+                // The flash may hold something else now.
+                self.look_again(store);
+                Err(refusal)
+            }
+        };
+        if done.is_ok() {
+            self.answer_stored(header);
+        }
         self.conclude(header, done)
     }
 
+    #[inline(never)]
     fn store<F: NorFlash>(
         &mut self,
         store: &mut CalibrationStore<F>,
-        header: Header,
         origin: &Origin,
-    ) -> Result<LinkEvent, Refusal> {
-        let parameters = self.shelf.in_use.ok_or(Refusal::NoCalibration)?;
+    ) -> Result<(), Refusal> {
         deck::check_over(&self.deck)?;
         self.grids.end();
-        match store.store(&parameters, origin, self.grids.memory_mut()) {
-            Ok(stored) => {
-                let id = self.put_stored_into_use(&parameters)?;
-                let found = self.shelf.found.insert(Ok(stored.identity));
-                self.reply.send(header, &Answer::Stored(found.clone()));
-                Ok(LinkEvent::Loaded(id))
-            }
-            Err(error) => {
-                // The flash may hold something else now.
-                let found = store.load(self.grids.memory_mut());
-                self.shelf.found = Some(found.map(|stored| stored.identity));
-                Err(Refusal::NotStored(error))
-            }
+        let parameters = self.shelf.in_use.as_ref().ok_or(Refusal::NoCalibration)?;
+        let stored = store.store(parameters, origin, self.grids.memory_mut());
+        let stored = stored.map_err(Refusal::NotStored)?;
+        self.shelf.found = Some(Ok(stored.identity));
+        Ok(())
+    }
+
+    #[inline(never)]
+    fn look_again<F: NorFlash>(&mut self, store: &mut CalibrationStore<F>) {
+        let found = store.load(self.grids.memory_mut());
+        self.shelf.found = Some(found.map(|stored| stored.identity));
+    }
+
+    #[inline(never)]
+    fn use_stored(&mut self) -> Result<LinkEvent, Refusal> {
+        let parameters = self.shelf.in_use.ok_or(Refusal::NoCalibration)?;
+        self.put_stored_into_use(&parameters).map(LinkEvent::Loaded)
+    }
+
+    #[inline(never)]
+    fn answer_stored(&mut self, header: Header) {
+        if let Ok(answer) = self.shelf.tell() {
+            self.reply.send(header, &answer);
         }
     }
 
+    #[inline(never)]
     fn put_stored_into_use(
         &mut self,
         parameters: &CameraParameters,
