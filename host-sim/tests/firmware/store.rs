@@ -106,6 +106,8 @@ fn stored_calibration_with_grids_is_found_after_a_reset_and_after_a_kill_and_cor
             assert_eq!(qemu.remote().identity().calibration, Some(record.id));
             assert_eq!(corrected_by_itself(&mut qemu), expected);
             killed_after(&qemu, Duration::ZERO).join().unwrap();
+            // The file is free again.
+            drop(qemu);
 
             let mut qemu = with_flash(machine, &flash);
             assert_eq!(qemu.remote().identity().calibration, Some(record.id));
