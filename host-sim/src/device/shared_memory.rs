@@ -12,7 +12,7 @@ use super::open::OpenError;
 pub const MEMORY_BYTES: u64 = 16 << 20;
 
 /// Bytes at its begin that are of one run alone.
-const BLOCKS: [u8; 0x5000] = [0; 0x5000];
+static BLOCKS: [u8; 0x5000] = [0; 0x5000];
 
 /// Place and contents of the mark of a file that keeps a flash.
 const MARK_AT: u64 = 0xf_0000;
@@ -133,6 +133,7 @@ pub(super) fn write_at(_: &File, _: u64, _: &[u8]) -> io::Result<()> {
 }
 
 #[cfg(all(test, unix))]
+#[allow(clippy::unwrap_used, reason = "tests")]
 mod tests {
     use std::fs;
 
