@@ -8,5 +8,5 @@ pub mod link;
 pub mod mavlink;
 #[cfg(feature = "nmea")]
 pub mod nmea;
-#[cfg(feature = "store")]
+#[cfg(feature = "link")]
 pub mod store;

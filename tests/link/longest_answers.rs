@@ -18,6 +18,7 @@ use fmc_camera::io::link::digest;
 use fmc_camera::io::link::message::{Answer, Counters, Header, Identity, Request, Status};
 use fmc_camera::io::link::packet::Packet;
 use fmc_camera::io::link::{LONGEST_PACKET, LONGEST_READING};
+use fmc_camera::io::store::{NothingStored, StoredIdentity};
 
 use crate::link::pc::{Pc, camera_parameters};
 
@@ -151,6 +152,8 @@ fn longest_answers_of_a_flight_fit_a_packet() {
     assert!(longest(size_of::<Status>()) < LONGEST_READING);
     assert!(longest(size_of::<InstrumentCounters>()) < LONGEST_READING);
     assert!(longest(size_of::<Identity>()) < LONGEST_READING);
+    let stored = size_of::<Result<StoredIdentity, NothingStored>>();
+    assert!(longest(stored) < LONGEST_READING);
     let record = Answer::FrameRecord(Some((longest_record(), u32::MAX)));
     assert!(sent(&record) < LONGEST_READING);
 }

@@ -35,6 +35,7 @@ use fmc_camera::io::link::{
     CALIBRATION_CAPACITY, LONGEST_PACKET, LONGEST_PAYLOAD, MAX_GRID_PART, MAX_OBSERVATIONS,
     MAX_PART, MAX_POINTS, PROTOCOL_VERSION,
 };
+use fmc_camera::io::store::{NothingStored, Origin, SlotFault};
 
 use crate::link::pc::{camera_parameters, packet};
 
@@ -236,14 +237,14 @@ fn bytes_on_the_wire_are_those_of_the_description() {
         sequence: 3,
     };
     let request = packet(header, &Request::Connect);
-    // Version 6; session 0x0102, seven bits a byte; number 3; request 0. The zero at the end is
+    // Version 7; session 0x0102, seven bits a byte; number 3; request 0. The zero at the end is
     // COBS's second block.
-    let encoded = [5, 6, 0x82, 2, 3, 1];
+    let encoded = [5, 7, 0x82, 2, 3, 1];
     let checked = [&[0x86, 0x80], &encoded[..]].concat();
     let crc = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(&checked);
     let crc = [0, 7, 14, 21, 28].map(|shift| ((crc >> shift) & 127 | 128).to_le_bytes()[0]);
     assert_eq!(request.bytes(), [&[0], &checked[..], &crc, &[0]].concat());
-    assert_eq!(PROTOCOL_VERSION, 6);
+    assert_eq!(PROTOCOL_VERSION, 7);
     let latest = format!("|---|---|\n| {PROTOCOL_VERSION} |");
     assert!(include_str!("../../CHANGELOG.md").contains(&latest));
 }
@@ -304,6 +305,9 @@ fn requests_and_answers_keep_the_numbers_they_were_given() {
         length: 1,
         crc: 2,
     };
+    let nothing_stored = NothingStored {
+        slots: [SlotFault::Blank, SlotFault::NoRecord],
+    };
     // The number of a request follows version, session and number of the message.
     for (request, number) in [
         (Request::Connect, 0),
@@ -318,6 +322,8 @@ fn requests_and_answers_keep_the_numbers_they_were_given() {
         (begin_grid, 25),
         (Request::GridPart(grid_part), 26),
         (Request::ConnectReading, 27),
+        (Request::Store(Origin::default()), 28),
+        (Request::Stored, 29),
     ] {
         let payload = payload_of(&packet(header, &request));
         assert_eq!(payload[3], number, "{request:?}");
@@ -332,6 +338,7 @@ fn requests_and_answers_keep_the_numbers_they_were_given() {
         (Answer::Mesh([1, 2, 3, 4].into_iter().collect()), 18),
         (Answer::Corrections(corrections.into_iter().collect()), 19),
         (Answer::GridLoaded(GridCarrier::Sensor), 21),
+        (Answer::Stored(Err(nothing_stored)), 22),
     ] {
         let mut packet = Packet::EMPTY;
         answer.write(header, &mut packet).unwrap();

@@ -25,6 +25,8 @@ mod messages;
 pub(crate) mod pc;
 mod refusals;
 mod repeats;
+#[cfg(feature = "store")]
+mod stored;
 #[path = "../../fuzz/targets.rs"]
 mod targets;
 mod wrong_bits;

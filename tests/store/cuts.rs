@@ -91,7 +91,7 @@ fn start<F: Order>(flash: &FlashModel, allowed: &Allowed<'_>, findings: &mut Fin
         let found = store.load(None).ok().map(|stored| {
             let version = u16::try_from(stored.parameters.version).unwrap();
             assert_eq!(stored.parameters, calibration(version));
-            assert_eq!(stored.origin, origin(version));
+            assert_eq!(stored.identity.origin, origin(version));
             version
         });
         findings.starts += 1;

@@ -80,7 +80,7 @@ fn camera_without_memory_for_grids_uses_the_calibration_before() {
     let (flash, ..) = stored(2);
     let stored = store_in(flash.clone()).load(None).unwrap();
     assert_eq!(stored.parameters, calibration(1));
-    assert_eq!(stored.other, Some(SlotFault::NoGridMemory));
+    assert_eq!(stored.identity.other, Some(SlotFault::NoGridMemory));
     let mut alone = flash;
     alone.sectors[0].clear();
     let NothingStored { slots } = store_in(alone).load(None).unwrap_err();
@@ -101,7 +101,7 @@ fn wrong_bits_of_a_grid_are_found() {
         bytes[word % 32] ^= 1 << (word % 8);
         let stored = store_in(damaged).load(Some(&mut memory)).unwrap();
         assert_eq!(stored.parameters, calibration(1));
-        let fault = stored.other;
+        let fault = stored.identity.other;
         assert!(matches!(fault, Some(SlotFault::Crc { .. })), "{fault:?}");
     }
 }

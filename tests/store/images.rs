@@ -38,7 +38,7 @@ fn fault_of(image: &[u8]) -> Option<SlotFault> {
     match store_in(flash_of(image)).load(None) {
         Ok(stored) => {
             assert_eq!(stored.parameters, calibration(7));
-            assert_eq!(stored.origin, origin(7));
+            assert_eq!(stored.identity.origin, origin(7));
             None
         }
         Err(NothingStored { slots: [fault, _] }) => Some(fault),
@@ -187,7 +187,7 @@ fn is_refused_or_a_camera(image: Vec<u8>) -> bool {
         return true;
     };
     assert!(Camera::new(stored.parameters).is_ok());
-    let texts = &stored.origin;
+    let texts = &stored.identity.origin;
     let origin = Origin::new(texts.lens(), texts.laboratory(), texts.date());
     assert_eq!(origin.as_ref(), Ok(texts));
     false
@@ -223,7 +223,10 @@ fn record_of_another_format_is_named_and_the_other_slot_is_used() {
     flash.sectors[1] = cells(&newer);
     let stored = store_in(flash).load(None).unwrap();
     assert_eq!(stored.parameters, calibration(6));
-    assert_eq!((stored.slot, stored.other), (0, Some(fault)));
+    assert_eq!(
+        (stored.identity.slot, stored.identity.other),
+        (0, Some(fault))
+    );
 }
 
 #[test]
@@ -273,7 +276,7 @@ fn word_that_cannot_be_read_is_a_fault_of_its_slot_alone() {
         } else {
             let word = u16::try_from(word).unwrap();
             assert_eq!(stored.parameters, calibration(6));
-            assert_eq!(stored.other, Some(SlotFault::Unreadable { word }));
+            assert_eq!(stored.identity.other, Some(SlotFault::Unreadable { word }));
         }
     }
 }

@@ -9,9 +9,9 @@
     reason = "tests"
 )]
 
-mod calibrations;
+pub(crate) mod calibrations;
 mod cuts;
-mod flash_model;
+pub(crate) mod flash_model;
 mod grids;
 mod images;
 mod orders;

@@ -28,24 +28,33 @@ fn stored_calibration_is_found_with_its_identity_and_the_one_before_in_the_other
     for version in 1..=5 {
         let stored = store.store(&calibration(version), &origin(version), None);
         let stored = stored.unwrap();
-        assert_eq!(stored.slot, u8::try_from((version - 1) % 2).unwrap());
+        assert_eq!(
+            stored.identity.slot,
+            u8::try_from((version - 1) % 2).unwrap()
+        );
         let found = store.load(None).unwrap();
         assert_eq!(
-            (found.slot, found.parameters),
-            (stored.slot, stored.parameters)
+            (found.identity.slot, found.parameters),
+            (stored.identity.slot, stored.parameters)
         );
-        assert_eq!(found.other, (version == 1).then_some(SlotFault::Blank));
-        assert!(stored.is_sealed && found.is_sealed);
-        let id = stored.id();
+        assert_eq!(
+            found.identity.other,
+            (version == 1).then_some(SlotFault::Blank)
+        );
+        assert!(stored.identity.is_sealed && found.identity.is_sealed);
+        let id = stored.identity.id;
         assert_eq!((id.version, id.storage), (version.into(), Storage::Stored));
         assert_eq!(id.crc, digest::of_camera(&calibration(version)));
-        assert_eq!([&stored.origin, &found.origin], [&origin(version); 2]);
+        assert_eq!(
+            [&stored.identity.origin, &found.identity.origin],
+            [&origin(version); 2]
+        );
     }
     let mut flash = store.into_flash();
     flash.sectors[0].clear();
     let before = store_in(flash).load(None).unwrap();
     assert_eq!(before.parameters, calibration(4));
-    assert_eq!(before.other, Some(SlotFault::Blank));
+    assert_eq!(before.identity.other, Some(SlotFault::Blank));
 }
 
 #[test]
@@ -234,7 +243,7 @@ fn seal_that_the_flash_does_not_take_is_written_into_the_next_word() {
     let flash = worn.into_flash().model;
     assert_eq!(flash.sectors[0][1], Cell::Blank);
     let stored = store_in(flash).load(None).unwrap();
-    assert!(stored.is_sealed);
+    assert!(stored.identity.is_sealed);
     assert_eq!(stored.parameters, calibration(8));
 }
 
@@ -250,7 +259,7 @@ fn flash_that_takes_no_seal_is_named_and_a_start_finds_the_new_calibration() {
     assert_eq!(refused, Err(NotStored::Flash { slot: 0, step }));
     let stored = worn.load(None).unwrap();
     assert_eq!(stored.parameters, calibration(8));
-    assert!(!stored.is_sealed);
+    assert!(!stored.identity.is_sealed);
     // The next store is written over it; cut before its commit word, it leaves version 7.
     worn.flash_mut().refused = 8..9;
     let refused = worn.store(&calibration(9), &origin(9), None);

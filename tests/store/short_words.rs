@@ -73,7 +73,7 @@ fn store_behind_others_in_small_sectors_writes_its_two_slots_alone() {
         assert_eq!(stored.unwrap().parameters, calibration(version));
     }
     let found = store.load(None).unwrap();
-    assert_eq!((found.parameters, found.slot), (calibration(7), 1));
+    assert_eq!((found.parameters, found.identity.slot), (calibration(7), 1));
     let bytes = store.into_flash().bytes;
     let (before, slots) = bytes.split_at(OFFSET);
     let (slots, behind) = slots.split_at(2 * SLOT);

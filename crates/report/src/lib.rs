@@ -25,6 +25,7 @@ mod picture;
 pub mod records;
 pub mod smear;
 pub mod statistics;
+pub mod stored_calibration;
 pub mod strip_experiment;
 pub mod sweep;
 pub mod terminal;

@@ -49,6 +49,16 @@ pub enum CameraAction {
     /// The camera uses the value for 5 s; with --for it is repeated until that time is over.
     #[command(after_help = examples::CAMERA_VH)]
     Vh(VhArgs),
+    /// Store a calibration in the camera's flash, from which it starts with it from now on.
+    ///
+    /// In standby alone, with the supply good and all records fetched. The calibration before stays
+    /// in its slot until the new one has been written and read back. A lower version than the
+    /// stored one is refused, and so is the calibration of another serial number.
+    #[command(after_help = examples::CAMERA_STORE)]
+    Store(StoreArgs),
+    /// Show which calibration the camera has stored, or what is wrong with either slot.
+    #[command(after_help = examples::CAMERA_STORED)]
+    Stored(StatusArgs),
     /// Show what the camera is doing.
     #[command(after_help = examples::CAMERA_STATUS)]
     Status(StatusArgs),
@@ -89,7 +99,24 @@ pub struct VhArgs {
     pub for_s: f64,
 }
 
-/// Arguments of `camera status`.
+/// Arguments of `camera store`.
+#[derive(Debug, Args)]
+pub struct StoreArgs {
+    /// Camera file (TOML) that is sent first; without it the calibration in use is stored.
+    #[arg(long, value_name = "FILE")]
+    pub camera: Option<PathBuf>,
+    /// Lens, as its certificate names it.
+    #[arg(long, value_name = "TEXT", default_value = "")]
+    pub lens: String,
+    /// Laboratory that has calibrated the camera.
+    #[arg(long, value_name = "TEXT")]
+    pub laboratory: String,
+    /// Day of the calibration, such as 2026-05-17.
+    #[arg(long, value_name = "DATE")]
+    pub date: String,
+}
+
+/// Arguments of `camera status` and `camera stored`.
 #[derive(Debug, Args)]
 pub struct StatusArgs {
     /// Print JSON.

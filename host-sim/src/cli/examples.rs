@@ -224,6 +224,18 @@ Examples:
   host-sim camera --device serial:/dev/ttyACM0 vh 0.1 --for 60
   host-sim camera --device serial:/dev/ttyACM0 vh --ground-speed 70 --height 700";
 
+pub(super) const CAMERA_STORE: &str = "\
+Examples:
+  host-sim camera --device serial:/dev/ttyACM0 store --camera my.toml \\
+      --lens \"HR 50 No. 1187\" --laboratory \"Test range\" --date 2026-05-17
+  host-sim camera --device qemu --flash flash.bin store --camera my.toml \\
+      --laboratory \"Test range\" --date 2026-05-17";
+
+pub(super) const CAMERA_STORED: &str = "\
+Examples:
+  host-sim camera --device serial:/dev/ttyACM0 stored
+  host-sim camera --device qemu --flash flash.bin stored --json";
+
 pub(super) const CAMERA_STATUS: &str = "\
 Examples:
   host-sim camera --device serial:/dev/ttyACM0 status --json";

@@ -32,7 +32,9 @@ pub use calibration::{
     Coefficients, Dlt2dArgs, Dlt3dArgs, FiveArgs, GridArgs, GridPart, OneGridPart, RegressOn,
     StaticP2,
 };
-pub use camera::{CameraAction, CameraArgs, ExposureTimeArgs, PrepareArgs, StatusArgs, VhArgs};
+pub use camera::{
+    CameraAction, CameraArgs, ExposureTimeArgs, PrepareArgs, StatusArgs, StoreArgs, VhArgs,
+};
 pub use camera_file::{CameraFileAction, CameraFileArgs};
 pub use certificate::{
     CertificateAction, CertificateArgs, CertificateFolderArgs, MakeCertificateArgs,
@@ -349,6 +351,10 @@ pub struct DeviceArgs {
     /// what `cargo xtask firmware` has built; if it has not been built yet, it is built now.
     #[arg(long, value_name = "FILE", help_heading = ADVANCED)]
     pub firmware: Option<PathBuf>,
+    /// File of the flash of the firmware in QEMU, in which the camera stores its calibration; made
+    /// if it does not exist. Without it the flash is blank at every start.
+    #[arg(long, value_name = "FILE", help_heading = ADVANCED)]
+    pub flash: Option<PathBuf>,
     /// Show the log of the firmware in QEMU on the error stream.
     #[arg(long, help_heading = ADVANCED)]
     pub log: bool,

@@ -17,6 +17,7 @@ use fmc_camera_file::flight_settings::FlightSettingsFile;
 use fmc_camera_file::number::single;
 use fmc_report::camera_status;
 
+use super::camera_store;
 use crate::cli::{CameraAction, CameraArgs, DirectionName, PrepareArgs, StatusArgs, VhArgs};
 use crate::device::DeviceError;
 use crate::device::link_error::LinkError;
@@ -71,6 +72,8 @@ pub(super) fn run(args: &CameraArgs) -> Result<(), Failure> {
             tell(args, Event::Command(Command::Exposure(exposure_s)))
         }
         CameraAction::Vh(vh) => tell_vh(args, vh),
+        CameraAction::Store(store) => camera_store::store(args, store),
+        CameraAction::Stored(StatusArgs { json }) => camera_store::stored(args, *json),
         CameraAction::Status(StatusArgs { json }) => {
             let mut device = args.device.open_watched()?;
             let status = device.status().map_err(failed)?;

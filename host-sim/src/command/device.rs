@@ -6,10 +6,15 @@ use std::thread;
 use crate::cli::DeviceArgs;
 use crate::device::qemu::QemuOptions;
 use crate::device::{
-    Device, DeviceError, DeviceName, FlownCamera, FlyingDevice, InProcess, OpenError, Opener,
-    RecordSource,
+    Device, DeviceError, DeviceName, FlownCamera, FlyingDevice, InProcess, KeepingCamera,
+    OpenError, Opener, RecordSource,
 };
 use crate::failure::Failure;
+
+const RECORDS: &str =
+    "a camera that has flown is needed: name it with --device serial:PATH or tcp:HOST:PORT";
+const FLOWN: &str = "a camera on a board is needed: name it with --device serial:PATH or tcp:HOST:PORT; `host-sim mission` flies simulated ones";
+const KEEPING: &str = "a camera with a store is needed: name it with --device serial:PATH or tcp:HOST:PORT, or --device qemu with --flash FILE";
 
 /// Devices of one kind.
 pub(super) type Devices = Vec<Box<dyn Device>>;
@@ -91,16 +96,7 @@ impl DeviceArgs {
     /// # Errors
     /// [`Failure`] where none is named, and where it cannot be opened.
     pub(super) fn open_records(&self) -> Result<Box<dyn RecordSource>, Failure> {
-        const WHICH: &str =
-            "a camera that has flown is needed: name it with --device serial:PATH or tcp:HOST:PORT";
-        let name = self
-            .device
-            .as_ref()
-            .ok_or_else(|| Failure::bad_input(WHICH))?;
-        self.check_options(name)?;
-        self.opener()
-            .open_records(name)?
-            .ok_or_else(|| Failure::bad_input(format!("--device {name}: {WHICH}")))
+        self.open_one(RECORDS, Opener::open_records)
     }
 
     /// Opens a camera on a board.
@@ -108,7 +104,7 @@ impl DeviceArgs {
     /// # Errors
     /// [`Failure`] where none is named, and where it cannot be opened.
     pub(super) fn open_flown(&self) -> Result<Box<dyn FlownCamera>, Failure> {
-        self.open_board(Opener::open_flown)
+        self.open_one(FLOWN, Opener::open_flown)
     }
 
     /// Opens a camera on a board for its status, beside a program that flies it.
@@ -116,27 +112,44 @@ impl DeviceArgs {
     /// # Errors
     /// As [`Self::open_flown`].
     pub(super) fn open_watched(&self) -> Result<Box<dyn FlownCamera>, Failure> {
-        self.open_board(Opener::open_watched)
+        self.open_one(FLOWN, Opener::open_watched)
     }
 
-    fn open_board(
+    /// Opens a camera that may store its calibration.
+    ///
+    /// # Errors
+    /// As [`Self::open_flown`].
+    pub(super) fn open_keeping(&self) -> Result<Box<dyn KeepingCamera>, Failure> {
+        self.open_one(KEEPING, Opener::open_keeping)
+    }
+
+    /// Opens a camera that may have stored its calibration, to be asked what it has.
+    ///
+    /// # Errors
+    /// As [`Self::open_flown`].
+    pub(super) fn open_stored(&self) -> Result<Box<dyn KeepingCamera>, Failure> {
+        self.open_one(KEEPING, Opener::open_stored)
+    }
+
+    fn open_one<Camera: ?Sized>(
         &self,
-        open: impl FnOnce(&Opener, &DeviceName) -> Result<Option<Box<dyn FlownCamera>>, OpenError>,
-    ) -> Result<Box<dyn FlownCamera>, Failure> {
-        const WHICH: &str = "a camera on a board is needed: name it with --device serial:PATH or tcp:HOST:PORT; `host-sim mission` flies simulated ones";
+        which: &str,
+        open: impl FnOnce(&Opener, &DeviceName) -> Result<Option<Box<Camera>>, OpenError>,
+    ) -> Result<Box<Camera>, Failure> {
         let name = self
             .device
             .as_ref()
-            .ok_or_else(|| Failure::bad_input(WHICH))?;
+            .ok_or_else(|| Failure::bad_input(which))?;
         self.check_options(name)?;
         open(&self.opener(), name)?
-            .ok_or_else(|| Failure::bad_input(format!("--device {name}: {WHICH}")))
+            .ok_or_else(|| Failure::bad_input(format!("--device {name}: {which}")))
     }
 
     fn opener(&self) -> Opener {
         Opener {
             qemu: QemuOptions {
                 firmware: self.firmware.clone(),
+                flash: self.flash.clone(),
                 print_log: self.log,
             },
         }
@@ -148,6 +161,7 @@ impl DeviceArgs {
             Self {
                 firmware: Some(_), ..
             } => "--firmware",
+            Self { flash: Some(_), .. } => "--flash",
             Self { log: true, .. } => "--log",
             _ => return Ok(()),
         };

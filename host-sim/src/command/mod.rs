@@ -5,6 +5,7 @@ mod budget;
 mod calibrate;
 mod camera;
 mod camera_file;
+mod camera_store;
 mod certificate;
 mod composition;
 mod device;

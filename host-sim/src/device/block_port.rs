@@ -10,12 +10,8 @@ use std::io::{self, ErrorKind};
 use std::sync::{Arc, OnceLock};
 use std::time::Instant;
 
-use tempfile::NamedTempFile;
-
 use super::port::{Port, TcpPort};
-
-/// Bytes of the memory that a machine shares.
-pub const MEMORY_BYTES: u64 = 16 << 20;
+use super::shared_memory::{SharedMemory, read_at, write_at};
 
 /// First word, by the firmware: it takes blocks.
 const OFFERED: [u8; 4] = *b"FMCb";
@@ -48,7 +44,7 @@ pub struct BlockPort {
 enum Kind {
     /// Requests and answers. The memory's file has a name, by which QEMU opens it, until the
     /// firmware offers blocks.
-    Link(Option<NamedTempFile>),
+    Link(Option<SharedMemory>),
     /// Bytes of the aircraft, in the block at this place.
     Aircraft(u64),
 }
@@ -60,7 +56,7 @@ impl BlockPort {
     pub fn all(
         link: TcpPort,
         [receiver, autopilot]: [TcpPort; 2],
-        memory: Option<NamedTempFile>,
+        memory: Option<SharedMemory>,
     ) -> [Self; 3] {
         let shared = Memory::default();
         [
@@ -77,14 +73,14 @@ impl BlockPort {
 }
 
 /// Puts the memory into use if the firmware offers blocks.
-fn open(named: &mut Option<NamedTempFile>, memory: &Memory) -> io::Result<()> {
+fn open(named: &mut Option<SharedMemory>, memory: &Memory) -> io::Result<()> {
     let Some(file) = named.take() else {
         return Ok(());
     };
     let mut offered = [0; OFFERED.len()];
-    read_at(file.as_file(), 0, &mut offered)?;
+    read_at(file.file(), 0, &mut offered)?;
     if offered == OFFERED {
-        write_at(file.as_file(), OPEN_AT, &OPEN)?;
+        write_at(file.file(), OPEN_AT, &OPEN)?;
         // QEMU has opened it by now, and its name is not needed any more.
         let _ = memory.set(file.into_file());
     } else {
@@ -110,28 +106,6 @@ fn read_block(memory: &File, at: u64, buffer: &mut [u8]) -> io::Result<usize> {
     let place = buffer.get_mut(..length).ok_or(ErrorKind::InvalidData)?;
     place.copy_from_slice(bytes);
     Ok(length)
-}
-
-#[cfg(unix)]
-fn read_at(memory: &File, at: u64, bytes: &mut [u8]) -> io::Result<()> {
-    std::os::unix::fs::FileExt::read_exact_at(memory, bytes, at)
-}
-
-#[cfg(unix)]
-fn write_at(memory: &File, at: u64, bytes: &[u8]) -> io::Result<()> {
-    std::os::unix::fs::FileExt::write_all_at(memory, bytes, at)
-}
-
-/// Fails: QEMU shares no memory here, so that there is no file.
-#[cfg(not(unix))]
-fn read_at(_: &File, _: u64, _: &mut [u8]) -> io::Result<()> {
-    Err(ErrorKind::Unsupported.into())
-}
-
-/// Fails as [`read_at`].
-#[cfg(not(unix))]
-fn write_at(_: &File, _: u64, _: &[u8]) -> io::Result<()> {
-    Err(ErrorKind::Unsupported.into())
 }
 
 impl Port for BlockPort {

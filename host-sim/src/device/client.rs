@@ -15,6 +15,9 @@ use super::port::Port;
 /// camera's longest work, showing a calibration to be one-to-one, takes some milliseconds.
 pub const ANSWER_WITHIN: Duration = Duration::from_secs(1);
 
+/// The same of a store: an STM32H743 erases a sector in four seconds at most.
+const STORED_WITHIN: Duration = Duration::from_secs(6);
+
 /// Number of times a request is sent before it is given up. The camera answers a request that it
 /// has already obeyed from its memory.
 pub const TRIES: u32 = 5;
@@ -168,7 +171,7 @@ impl<P: Port> Client<P> {
         let mut heard = Heard::default();
         for repeats in 0..TRIES {
             self.repeats = repeats;
-            let deadline = Instant::now() + ANSWER_WITHIN;
+            let deadline = Instant::now() + answer_within(request);
             match self.port.send(self.frame.bytes()) {
                 Err(error) if error.kind() == ErrorKind::TimedOut => continue,
                 sent => sent?,
@@ -245,6 +248,13 @@ impl<P: Port> Client<P> {
     }
 }
 
+const fn answer_within(request: &Request) -> Duration {
+    match request {
+        Request::Store(_) => STORED_WITHIN,
+        _ => ANSWER_WITHIN,
+    }
+}
+
 /// Returns true if a payload is that of the frame that was sent.
 fn is_echo(payload: &[u8], frame: &[u8]) -> bool {
     let mut receiver = PacketReceiver::new();
@@ -286,6 +296,8 @@ const fn name(request: &Request) -> &'static str {
         Request::Corrections(_) => "corrections",
         Request::Wired(..) => "wired",
         Request::Instruments => "instruments",
+        Request::Store(_) => "store",
+        Request::Stored => "stored",
         Request::BeginGrid { .. } | Request::GridPart(_) => LOAD_GRID,
     }
 }

@@ -9,13 +9,12 @@ use std::process::{Child, Command, ExitStatus, Stdio};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
-use tempfile::NamedTempFile;
 use wait_timeout::ChildExt as _;
 
-use super::block_port::MEMORY_BYTES;
 use super::image;
 use super::log::LastLines;
 use super::name::Machine;
+use super::shared_memory::{MEMORY_BYTES, SharedMemory};
 
 /// Name of the program.
 pub const PROGRAM: &str = "qemu-system-arm";
@@ -51,7 +50,7 @@ pub struct Started {
     pub wires: [TcpStream; 2],
     /// File of the memory that the machine shares, which QEMU opens after it has connected; `None`
     /// where it shares none.
-    pub memory: Option<NamedTempFile>,
+    pub memory: Option<SharedMemory>,
 }
 
 /// Returns the program on the search path, or else the one that `cargo xtask` has fetched into this
@@ -67,11 +66,16 @@ pub fn find() -> Option<PathBuf> {
         .find(|file| file.is_file())
 }
 
-/// Starts a machine with an image.
+/// Starts a machine with an image. The memory that it shares is `kept`, or one of its own.
 ///
 /// # Errors
 /// The reason, with the output of QEMU, in words.
-pub fn start(program: &Path, machine: Machine, image: &Path) -> Result<Started, String> {
+pub fn start(
+    program: &Path,
+    machine: Machine,
+    image: &Path,
+    kept: Option<SharedMemory>,
+) -> Result<Started, String> {
     let system = |error: io::Error| format!("QEMU cannot be started: {error}");
     let link = listener().map_err(system)?;
     let log = listener().map_err(system)?;
@@ -88,7 +92,10 @@ pub fn start(program: &Path, machine: Machine, image: &Path) -> Result<Started, 
         .args(uart("log", &log).map_err(system)?)
         .args(uart("receiver", &receiver).map_err(system)?)
         .args(uart("autopilot", &autopilot).map_err(system)?);
-    let shared = shared_memory().map_err(system)?;
+    let shared = match kept {
+        Some(kept) => Some(kept),
+        None => SharedMemory::temporary().map_err(system)?,
+    };
     if let Some(file) = &shared {
         command.args(sharing(file.path()));
     }
@@ -127,16 +134,6 @@ pub fn start(program: &Path, machine: Machine, image: &Path) -> Result<Started, 
         wires: [receiver, autopilot],
         memory: shared,
     })
-}
-
-/// Creates the file that is the memory to be shared, where QEMU can map one.
-fn shared_memory() -> io::Result<Option<NamedTempFile>> {
-    if !cfg!(unix) {
-        return Ok(None);
-    }
-    let file = NamedTempFile::new()?;
-    file.as_file().set_len(MEMORY_BYTES)?;
-    Ok(Some(file))
 }
 
 /// Returns the arguments that make a file the machine's PSRAM.

@@ -5,7 +5,10 @@ use std::path::PathBuf;
 use super::error::DeviceError;
 use super::link_error::LinkError;
 use super::qemu::{Qemu, QemuOptions};
-use super::{Device, DeviceName, FlownCamera, FlyingDevice, InProcess, RecordSource, serial, tcp};
+use super::{
+    Device, DeviceName, FlownCamera, FlyingDevice, InProcess, KeepingCamera, RecordSource, serial,
+    tcp,
+};
 use crate::failure::Failure;
 
 /// Opener of devices.
@@ -29,6 +32,14 @@ pub enum OpenError {
     /// The image that the user named is not firmware.
     #[error("{}: {what}", path.display())]
     Image {
+        /// The file.
+        path: PathBuf,
+        /// Fault of the file.
+        what: String,
+    },
+    /// The file that the user named is no flash of a camera in QEMU, or cannot be used.
+    #[error("--flash {}: {what}", path.display())]
+    Flash {
         /// The file.
         path: PathBuf,
         /// Fault of the file.
@@ -59,7 +70,7 @@ impl From<OpenError> for Failure {
         let text = error.to_string();
         match error {
             OpenError::NotHere { help, .. } => Self::device_or_io(text).with_help(help),
-            OpenError::Image { .. } => Self::bad_input(text),
+            OpenError::Image { .. } | OpenError::Flash { .. } => Self::bad_input(text),
             OpenError::Port { help, .. } => {
                 let failure = Self::device_or_io(text);
                 match help {
@@ -144,6 +155,39 @@ impl Opener {
             DeviceName::Sil | DeviceName::Qemu(_) => None,
             DeviceName::Serial(path) => Some(Box::new(serial::connect(path)?)),
             DeviceName::Tcp(address) => Some(Box::new(tcp::connect(address)?)),
+        })
+    }
+
+    /// Opens a camera that may store its calibration; `None` for the camera in this process.
+    ///
+    /// # Errors
+    /// As [`Self::open`].
+    pub fn open_keeping(
+        &self,
+        name: &DeviceName,
+    ) -> Result<Option<Box<dyn KeepingCamera>>, OpenError> {
+        Ok(match name {
+            DeviceName::Sil => None,
+            DeviceName::Qemu(machine) => Some(Box::new(Qemu::start(*machine, &self.qemu)?)),
+            DeviceName::Serial(path) => Some(Box::new(serial::connect(path)?)),
+            DeviceName::Tcp(address) => Some(Box::new(tcp::connect(address)?)),
+        })
+    }
+
+    /// Opens a camera that may have stored its calibration, to be asked what it has, beside a
+    /// session that flies it; `None` for the camera in this process.
+    ///
+    /// # Errors
+    /// As [`Self::open`].
+    pub fn open_stored(
+        &self,
+        name: &DeviceName,
+    ) -> Result<Option<Box<dyn KeepingCamera>>, OpenError> {
+        Ok(match name {
+            DeviceName::Sil => None,
+            DeviceName::Qemu(machine) => Some(Box::new(Qemu::start(*machine, &self.qemu)?)),
+            DeviceName::Serial(path) => Some(Box::new(serial::connect_reading(path)?)),
+            DeviceName::Tcp(address) => Some(Box::new(tcp::connect_reading(address)?)),
         })
     }
 

@@ -20,6 +20,7 @@ use fmc_camera::geometry::mesh::vertex::VertexRow;
 use fmc_camera::geometry::sensor::SensorPoint;
 use fmc_camera::io::instruments::counters::InstrumentCounters;
 use fmc_camera::io::link::message::{Counters, Ending, Grid};
+use fmc_camera::io::store::{NothingStored, Origin, StoredIdentity};
 use fmc_camera_file::GridFiles;
 use fmc_simulation::mission::wire::WireTraffic;
 
@@ -32,13 +33,16 @@ use super::name::Machine;
 use super::open::OpenError;
 use super::port::TcpPort;
 use super::remote::Remote;
-use super::{CorrectingDevice, Device, DeviceError, Evidence, FlyingDevice};
+use super::shared_memory::SharedMemory;
+use super::{CorrectingDevice, Device, DeviceError, Evidence, FlyingDevice, KeepingCamera};
 
 /// Options of the firmware in QEMU.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct QemuOptions {
     /// Image; without it one is found or built.
     pub firmware: Option<PathBuf>,
+    /// File that keeps the firmware's flash; without it the flash is blank, and of one run.
+    pub flash: Option<PathBuf>,
     /// `true` if the log is printed on the error stream as it comes.
     pub print_log: bool,
 }
@@ -73,8 +77,13 @@ impl Qemu {
                 .to_owned(),
         })?;
         let image = Image::find(options.firmware.as_deref())?;
+        let kept = options
+            .flash
+            .as_deref()
+            .map(SharedMemory::kept)
+            .transpose()?;
         let started =
-            machine::start(&program, machine, &image.path).map_err(DeviceError::Machine)?;
+            machine::start(&program, machine, &image.path, kept).map_err(DeviceError::Machine)?;
         let log_wire = started
             .log
             .try_clone()
@@ -105,6 +114,12 @@ impl Qemu {
     /// Returns the camera itself, for functions that not every device has.
     pub const fn remote(&mut self) -> &mut Remote<BlockPort> {
         &mut self.remote
+    }
+
+    /// The operating system's number of the emulator.
+    #[must_use]
+    pub fn process_id(&self) -> u32 {
+        self.watch.process.id()
     }
 
     /// Returns the far end of the log's UART. Bytes written there reach the firmware; firmware
@@ -225,6 +240,27 @@ impl Qemu {
     /// Returns the camera at the end of the serial port.
     pub(super) const fn remote_mut(&mut self) -> &mut Remote<BlockPort> {
         &mut self.remote
+    }
+}
+
+impl KeepingCamera for Qemu {
+    fn put_into_use(
+        &mut self,
+        camera: &CameraParameters,
+        grids: &GridFiles,
+    ) -> Result<(), DeviceError> {
+        let answer = self.remote.put_into_use(camera, grids);
+        answer.map_err(|error| self.watch.explain(error))
+    }
+
+    fn store(&mut self, origin: &Origin) -> Result<StoredIdentity, DeviceError> {
+        let answer = self.remote.store(origin);
+        answer.map_err(|error| self.watch.explain(error))
+    }
+
+    fn stored(&mut self) -> Result<Result<StoredIdentity, NothingStored>, DeviceError> {
+        let answer = self.remote.stored();
+        answer.map_err(|error| self.watch.explain(error))
     }
 }
 

@@ -158,6 +158,26 @@ impl<P: Port> Remote<P> {
         Ok(())
     }
 
+    /// Corrects points with the calibration that the camera has, whatever it is: without a twin.
+    ///
+    /// # Errors
+    /// [`DeviceError`] where the camera has none, or refuses the exposure or a point.
+    pub fn correct_by_itself(
+        &mut self,
+        exposure: &Exposure,
+        measured: &[SensorPoint],
+    ) -> Result<Vec<Corrected>, DeviceError> {
+        let mut corrected = Vec::with_capacity(measured.len());
+        let exposed = self.client.expose(exposure);
+        exposed.map_err(|error| self.failed(error, 0))?;
+        for batch in measured.chunks(MAX_POINTS) {
+            let answered = self.client.correct(batch.iter().copied().collect());
+            let answered = answered.map_err(|error| self.failed(error, corrected.len()))?;
+            corrected.extend(answered);
+        }
+        Ok(corrected)
+    }
+
     /// Switches the camera off.
     ///
     /// # Errors
@@ -201,6 +221,11 @@ impl<P: Port> Remote<P> {
                 _ => {}
             }
         }
+        self.of_link(error)
+    }
+
+    /// Returns an error of the link with the name of the device.
+    pub(super) fn of_link(&self, error: LinkError) -> DeviceError {
         DeviceError::Link {
             device: self.name.clone(),
             error,

@@ -37,6 +37,9 @@ mod calibration_files;
 mod camera;
 #[cfg(test)]
 mod camera_file;
+#[cfg(test)]
+#[cfg(unix)]
+mod camera_store;
 mod certificate;
 #[cfg(test)]
 mod composition;

@@ -15,6 +15,7 @@ use crate::firmware::drills::{LOOK_EVERY, bite_watchdog};
 fn with_drills(machine: Machine) -> Qemu {
     let options = QemuOptions {
         firmware: Some(env::var_os("FMC_FIRMWARE_WITH_DRILLS").unwrap().into()),
+        flash: None,
         print_log: false,
     };
     let mut qemu = Qemu::start(machine, &options).unwrap();

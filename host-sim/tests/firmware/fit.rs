@@ -79,7 +79,7 @@ fn fit_of_the_camera_is_that_of_the_pc_bit_by_bit() {
             log: _log,
             wires: _wires,
             memory: _memory,
-        } = machine::start(&machine::find().unwrap(), machine, &image).unwrap();
+        } = machine::start(&machine::find().unwrap(), machine, &image, None).unwrap();
         let mut client = Client::new(TcpPort::new(link).unwrap());
         client.connect().unwrap();
         client.load(&record()).unwrap();

@@ -261,6 +261,7 @@ fn camera_is_not_prepared_again_before_its_records_are_fetched() {
 fn after_the_watchdog_the_camera_is_in_that_fault_until_it_is_cleared() {
     let options = QemuOptions {
         firmware: Some(env::var_os("FMC_FIRMWARE_WITH_DRILLS").unwrap().into()),
+        flash: None,
         print_log: false,
     };
     let mut flight = Flight::prepared(Qemu::start(MACHINES[0], &options).unwrap());

@@ -37,7 +37,7 @@ fn grid(carrier: GridCarrier, seed: i32) -> Vec<u8> {
 }
 
 /// Returns a camera of 80 mm by 60 mm that states the grids, and their files.
-fn camera(seed: i32) -> (CameraParameters, GridFiles) {
+pub(crate) fn camera(seed: i32) -> (CameraParameters, GridFiles) {
     let mut lens = CalibrationParameters::new(100.0, [8000, 6000], 10.0);
     lens.distortion.k1 = -1e-6;
     let files = [GridCarrier::Lens, GridCarrier::Sensor].map(|carrier| grid(carrier, seed));

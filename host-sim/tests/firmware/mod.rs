@@ -18,4 +18,7 @@ mod mission;
 #[cfg(test)]
 mod program;
 #[cfg(test)]
+#[cfg(unix)]
+mod store;
+#[cfg(test)]
 mod wire;

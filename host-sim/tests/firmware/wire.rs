@@ -21,7 +21,7 @@ fn image() -> PathBuf {
 }
 
 fn start(machine: Machine) -> Started {
-    machine::start(&machine::find().unwrap(), machine, &image()).unwrap()
+    machine::start(&machine::find().unwrap(), machine, &image(), None).unwrap()
 }
 
 /// Returns random bytes, the same in every run.

@@ -4,6 +4,8 @@
 use fmc_camera::flight::{fault::Fault, in_doubt::InDoubt};
 use fmc_camera::io::link::message::ResetCause;
 use fmc_camera::io::link::station::LinkEvent;
+#[cfg(feature = "store")]
+use fmc_camera::io::store::{NothingStored, StoredIdentity};
 
 /// Logs the first line.
 pub(crate) fn note_start(board: &str, build: &str, start: ResetCause) {
@@ -14,6 +16,23 @@ pub(crate) fn note_start(board: &str, build: &str, start: ResetCause) {
         ResetCause::Fault => "fault",
     };
     defmt::info!("{=str} {=str} starts after {=str}", board, build, after);
+}
+
+/// Logs what the start has found in the store.
+#[cfg(feature = "store")]
+pub(crate) fn note_stored(found: &Result<StoredIdentity, NothingStored>) {
+    match found {
+        Ok(record) => defmt::info!(
+            "calibration {=u32:#010x} of slot {=u8}",
+            record.id.crc,
+            record.slot
+        ),
+        Err(nothing) if nothing.is_blank() => defmt::info!("no calibration is stored"),
+        Err(nothing) => {
+            let [first, second] = nothing.slots;
+            defmt::warn!("no calibration is found: {}; {}", first, second);
+        }
+    }
 }
 
 /// Logs a line for each event that is not the ordinary flow of points.
@@ -28,6 +47,7 @@ pub(crate) fn note(event: LinkEvent) {
         LinkEvent::Lost(damage) => defmt::warn!("packet lost: {}", damage),
         LinkEvent::Unreadable(unreadable) => defmt::warn!("packet unreadable: {}", unreadable),
         LinkEvent::Refused(refusal) => defmt::warn!("refused: {}", refusal),
+        LinkEvent::Store => defmt::info!("store requested"),
         LinkEvent::Reset => defmt::info!("reset requested"),
         LinkEvent::PowerOff => defmt::info!("power off requested"),
     }

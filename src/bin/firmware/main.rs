@@ -54,6 +54,12 @@ fn run(mut board: Board, start: ResetCause) -> ! {
     if let Some(memory) = GRIDS.try_take() {
         station.keep_grids_in(memory);
     }
+    #[cfg(feature = "store")]
+    let mut store = board.store();
+    #[cfg(feature = "store")]
+    if let Some(store) = &mut store {
+        journal::note_stored(station.load_stored(store));
+    }
     let mut ending = None;
     loop {
         board.feed_watchdog();
@@ -79,6 +85,10 @@ fn run(mut board: Board, start: ResetCause) -> ! {
                     && let Some(byte) = board.receive_more()
                 {
                     ending = station.receive(byte);
+                }
+                #[cfg(feature = "store")]
+                if let (Some(LinkEvent::Store), Some(store)) = (ending, &mut store) {
+                    ending = Some(station.store(store));
                 }
                 if let Some(event) = ending {
                     journal::note(event);

@@ -112,6 +112,12 @@ impl Controller {
             || !matches!(self.readiness.mode(), Mode::Standby | Mode::Fault(_))
     }
 
+    /// Returns `true` unless the supply is too low to move the stage.
+    #[must_use]
+    pub const fn is_supply_good(&self) -> bool {
+        self.readiness.is_supply_good()
+    }
+
     /// Number and frame of the last recorded exposure, for the correction of its points.
     #[must_use]
     pub const fn latest(&self) -> Option<&(u32, camera::Frame)> {

@@ -24,6 +24,9 @@ pub enum LinkEvent {
     Repeated,
     /// A request was refused.
     Refused(Refusal),
+    /// The calibration in use is to be stored now
+    /// ([`Station::store`](super::station::Station::store), feature `store`), which answers.
+    Store,
     /// The camera is to start again once the answer has left.
     Reset,
     /// The camera is to switch off once the answer has left.

@@ -29,6 +29,7 @@ use crate::geometry::mesh::vertex::VertexRow;
 use crate::geometry::sensor::SensorPoint;
 use crate::io::instruments::WireBytes;
 use crate::io::instruments::counters::InstrumentCounters;
+use crate::io::store::{NothingStored, Origin, StoredIdentity};
 
 /// A batch of points.
 pub type Points = Vec<SensorPoint, MAX_POINTS>;
@@ -129,9 +130,15 @@ pub enum Request {
     /// The next part of the grid announced.
     GridPart(Part<MAX_GRID_PART>),
     /// Opens a session for reading beside the open one, which goes on; ends another for reading. It
-    /// takes [`Self::Counters`], [`Self::Instruments`], [`Self::Status`], [`Self::FrameRecord`] and
-    /// [`Self::Acknowledge`], in any order and as often as wanted.
+    /// takes [`Self::Counters`], [`Self::Instruments`], [`Self::Status`], [`Self::FrameRecord`],
+    /// [`Self::Acknowledge`] and [`Self::Stored`], in any order and as often as wanted.
     ConnectReading,
+    /// Stores the calibration in use, with its residual grids, under this origin: in standby alone,
+    /// with the supply good, and while no record is left unacknowledged. A camera that was prepared
+    /// is to be prepared again. The answer takes as long as the erasure of a sector, some seconds.
+    Store(Origin),
+    /// Reads what is stored, as the start has found it or the last store has left it.
+    Stored,
 }
 
 /// Way in which a camera is started again or switched off.
@@ -202,6 +209,8 @@ pub enum Answer {
     Instruments(InstrumentCounters),
     /// The residual grid is complete and sound: parameters may state it.
     GridLoaded(GridCarrier),
+    /// The calibration that is stored, or what is wrong with either slot.
+    Stored(Result<StoredIdentity, NothingStored>),
 }
 
 /// The reason why the camera runs.

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{CALIBRATION_CAPACITY, MAX_POINTS};
 use crate::flight::camera::FrameError;
+use crate::flight::controller::state::State;
 use crate::flight::grid_memory::GridMemoryError;
 use crate::geometry::calibration::CalibrationError;
 use crate::geometry::estimation::fit::FitError;
@@ -14,6 +15,7 @@ use crate::geometry::inverse::DistortError;
 use crate::geometry::mesh::vertex::MeshError;
 use crate::geometry::range::OutOfRange;
 use crate::io::instruments::WireBytes;
+use crate::io::store::NotStored;
 
 /// Why the camera does not do what it is asked for. Nothing has changed, except that after an
 /// [`Refusal::Exposure`] there is no frame, and that a load is over whose last part is refused with
@@ -146,6 +148,14 @@ pub enum Refusal {
     },
     /// The session is for reading.
     ReadingOnly,
+    /// The board has no store for a calibration.
+    NoStore,
+    /// The camera is in this state, and not in standby.
+    NotStandby(State),
+    /// The supply is low.
+    SupplyLow,
+    /// The calibration in use is not stored.
+    NotStored(NotStored),
 }
 
 impl fmt::Display for Refusal {
@@ -226,6 +236,10 @@ impl fmt::Display for Refusal {
                 write!(f, "record {sequence} has not been fetched as it is kept")
             }
             Self::ReadingOnly => f.write_str("the session is for reading alone"),
+            Self::NoStore => f.write_str("it has no store for a calibration"),
+            Self::NotStandby(state) => write!(f, "it is in state {state}, not in standby"),
+            Self::SupplyLow => f.write_str("its supply is low"),
+            Self::NotStored(error) => write!(f, "it does not store the calibration: {error}"),
             Self::PolynomialMesh => f.write_str(
                 "vertices of the recorded image cannot be drawn with residual grids: take sources",
             ),

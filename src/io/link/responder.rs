@@ -10,6 +10,7 @@ use super::message::{Answer, Counters, Ending, Header, Identity, Refusal, Reques
 use super::packet::Damage;
 use super::point_correction::PointCorrection;
 use super::reply::Reply;
+use super::shelf::Shelf;
 use super::{batch, digest, message, round};
 use crate::flight::calibration_id::{CalibrationId, Storage};
 use crate::flight::camera::{self, Camera, CameraParameters};
@@ -35,6 +36,7 @@ pub(super) struct Responder<Deck> {
     /// The deck, which owns the camera, in flight or not.
     pub(super) deck: Deck,
     pub(super) fitting: Fitting,
+    pub(super) shelf: Shelf,
     pub(super) reply: Reply,
     pub(super) counters: Counters,
 }
@@ -100,6 +102,10 @@ impl<Deck: FlightDeck> Responder<Deck> {
         self.last = Some(header);
         let done = match request {
             Some(Request::Prepare(settings)) => self.prepare(header, settings),
+            Some(Request::Store(origin)) => {
+                let ordered = self.shelf.order(&self.deck, header, origin);
+                ordered.map(|()| LinkEvent::Store)
+            }
             Some(request) => self.act(header, request),
             None => Err(Refusal::Unknown),
         };
@@ -125,8 +131,14 @@ impl<Deck: FlightDeck> Responder<Deck> {
     }
 
     /// Counts an answer, or sends a refusal.
-    fn conclude(&mut self, header: Header, done: Result<LinkEvent, Refusal>) -> LinkEvent {
+    pub(super) fn conclude(
+        &mut self,
+        header: Header,
+        done: Result<LinkEvent, Refusal>,
+    ) -> LinkEvent {
         match done {
+            // The board's answer follows.
+            Ok(LinkEvent::Store) => LinkEvent::Store,
             Ok(event) => {
                 count(&mut self.counters.done);
                 event
@@ -226,6 +238,7 @@ impl<Deck: FlightDeck> Responder<Deck> {
             }
             // These are answered apart, without the stack that this function takes.
             Request::Prepare(_)
+            | Request::Store(_)
             | Request::Rig(_)
             | Request::Wired(..)
             | Request::ConnectReading => {
@@ -235,6 +248,7 @@ impl<Deck: FlightDeck> Responder<Deck> {
             | Request::Instruments
             | Request::FrameRecord(_)
             | Request::Acknowledge(_)
+            | Request::Stored
             | Request::Status => self.read(request)?,
             Request::Flown => {
                 let (sequence, frame) = deck::latest(&self.deck).ok_or(Refusal::NoFrame)?;
@@ -282,6 +296,7 @@ impl<Deck: FlightDeck> Responder<Deck> {
                 Answer::Kept(deck::acknowledge(&mut self.deck, *fetched)?)
             }
             Request::Status => Answer::Status(deck::status(&self.deck)?),
+            Request::Stored => self.shelf.tell()?,
             _ => return Err(Refusal::ReadingOnly),
         })
     }
@@ -419,6 +434,7 @@ impl<Deck: FlightDeck> Responder<Deck> {
         let camera = Camera::identified(record, crc, storage).map_err(Refusal::Calibration)?;
         let camera = self.grids.put_into_use(camera)?;
         self.deck.load(camera);
+        self.shelf.in_use = Some(record);
         self.frame = None;
         self.fitting.end();
         Ok(CalibrationId {

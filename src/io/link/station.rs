@@ -11,9 +11,14 @@ use super::packet::PacketReceiver;
 use super::reply::Reply;
 pub use super::responder::NOBODY;
 use super::responder::{Responder, count_more};
+use super::shelf::Shelf;
 use crate::flight::calibration_id::{CalibrationId, Storage};
 use crate::flight::camera::CameraParameters;
 use crate::flight::grid_memory::GridMemory;
+#[cfg(feature = "store")]
+use crate::io::store::{CalibrationStore, NothingStored, StoredIdentity};
+#[cfg(feature = "store")]
+use embedded_storage::nor_flash::NorFlash;
 
 /// The camera's end of the link.
 ///
@@ -51,6 +56,7 @@ impl<Deck: FlightDeck> Station<Deck> {
                 grids: GridLoading::NONE,
                 frame: None,
                 fitting: Fitting::NONE,
+                shelf: Shelf::NONE,
                 reply: Reply::NONE,
                 counters: Counters {
                     done: 0,
@@ -94,6 +100,25 @@ impl<Deck: FlightDeck> Station<Deck> {
         deck::check_over(&self.responder.deck)?;
         let crc = digest::of_camera(record);
         self.responder.load(*record, crc, storage)
+    }
+
+    /// Puts the calibration into use that a store holds, at the start, and returns what was found.
+    /// Whatever that is, the link answers: [`Request::Stored`](super::message::Request::Stored)
+    /// tells it. From then on the PC may ask for a store ([`LinkEvent::Store`]).
+    #[cfg(feature = "store")]
+    pub fn load_stored<F: NorFlash>(
+        &mut self,
+        store: &mut CalibrationStore<F>,
+    ) -> &Result<StoredIdentity, NothingStored> {
+        self.responder.start_from(store)
+    }
+
+    /// Stores the calibration in use, after [`LinkEvent::Store`] and before the next byte, and
+    /// answers; it is the stored one from then on, and a camera that was prepared is to be prepared
+    /// again. Returns what has come of it.
+    #[cfg(feature = "store")]
+    pub fn store<F: NorFlash>(&mut self, store: &mut CalibrationStore<F>) -> LinkEvent {
+        self.responder.carry_out(store)
     }
 
     /// Takes a byte from the wire. Returns an event if the byte ends a packet.

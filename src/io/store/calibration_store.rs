@@ -10,6 +10,7 @@ use super::judgement::{self, Record};
 use super::layout::{LayoutError, MAX_SLOT_BYTES, WORD_BYTES};
 use super::origin::Origin;
 use super::slot::{BODY, Slot, Word};
+use super::stored_identity::StoredIdentity;
 use crate::flight::calibration_id::{CalibrationId, SerialNumber, Storage};
 use crate::flight::camera::{Camera, CameraParameters};
 use crate::flight::grid_memory::GridMemory;
@@ -29,26 +30,28 @@ pub struct CalibrationStore<F> {
 pub struct StoredCalibration {
     /// Parameters of the camera, serial number and version of the calibration among them.
     pub parameters: CameraParameters,
-    /// Origin of the calibration.
-    pub origin: Origin,
-    /// Slot in which it lies, 0 or 1.
-    pub slot: u8,
-    /// Fault of the other slot; `None` if its record is older, or was not read.
-    pub other: Option<SlotFault>,
-    /// `true` if a seal shows that the store was carried to its end. Otherwise it was cut, and a
-    /// later start may find the calibration before: it is to be stored again.
-    pub is_sealed: bool,
+    /// The same without its numbers, for the link.
+    pub identity: StoredIdentity,
 }
 
 impl StoredCalibration {
-    /// Identity of the calibration.
-    #[must_use]
-    pub fn id(&self) -> CalibrationId {
-        CalibrationId {
-            serial: self.parameters.serial,
-            version: self.parameters.version,
-            crc: digest::of_camera(&self.parameters),
-            storage: Storage::Stored,
+    fn new(parameters: CameraParameters, origin: Origin, slot: usize) -> Self {
+        let identity = StoredIdentity {
+            id: CalibrationId {
+                serial: parameters.serial,
+                version: parameters.version,
+                crc: digest::of_camera(&parameters),
+                storage: Storage::Stored,
+            },
+            origin,
+            #[expect(clippy::cast_possible_truncation, reason = "0 or 1")]
+            slot: slot as u8,
+            other: None,
+            is_sealed: true,
+        };
+        Self {
+            parameters,
+            identity,
         }
     }
 }
@@ -170,17 +173,11 @@ impl<F: NorFlash> CalibrationStore<F> {
                 return Ok(found.stored(true));
             }
         }
-        #[expect(clippy::cast_possible_truncation, reason = "0 or 1")]
-        let slot = target as u8;
+        let stored = StoredCalibration::new(*parameters, head.origin, target);
+        let slot = stored.identity.slot;
         self.write(target, &body, commit)
             .map_err(|step| NotStored::Flash { slot, step })?;
-        Ok(StoredCalibration {
-            parameters: *parameters,
-            origin: head.origin,
-            slot,
-            other: None,
-            is_sealed: true,
-        })
+        Ok(stored)
     }
 
     /// Finds the newest record that this camera can use. Each commit word is read once.
@@ -238,8 +235,8 @@ impl<F: NorFlash> CalibrationStore<F> {
         Ok((commit, record))
     }
 
-    /// Returns the slot to be written beside a record, the number of the next, and the record's last
-    /// seal, which shows that its store was carried to its end. Nothing is written.
+    /// Returns the slot to be written beside a record, the number of the next, and the record's
+    /// last seal, which shows that its store was carried to its end. Nothing is written.
     fn target(
         &mut self,
         found: &Found,
@@ -309,14 +306,11 @@ impl<F: NorFlash> CalibrationStore<F> {
 
 impl Found {
     fn stored(self, is_sealed: bool) -> StoredCalibration {
-        StoredCalibration {
-            parameters: self.record.parameters,
-            origin: self.record.head.origin,
-            #[expect(clippy::cast_possible_truncation, reason = "0 or 1")]
-            slot: self.slot as u8,
-            other: self.other.err(),
-            is_sealed,
-        }
+        let Record { head, parameters } = self.record;
+        let mut stored = StoredCalibration::new(parameters, head.origin, self.slot);
+        stored.identity.other = self.other.err();
+        stored.identity.is_sealed = is_sealed;
+        stored
     }
 }
 

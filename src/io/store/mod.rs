@@ -27,21 +27,35 @@
 //!
 //! `docs/store.md` has the layout in bytes, what is lost when, and how every cut is tried.
 
+//! # Without the feature `store`
+//! The link alone has what its messages tell: [`Origin`], [`StoredIdentity`] and the faults.
+
+#[cfg(feature = "store")]
 mod body;
+#[cfg(feature = "store")]
 mod calibration_store;
+#[cfg(feature = "store")]
 mod commit;
 mod fault;
+#[cfg(feature = "store")]
 mod head;
+#[cfg(feature = "store")]
 mod judgement;
 mod layout;
 mod origin;
+#[cfg(feature = "store")]
 mod probe_point;
+#[cfg(feature = "store")]
 mod slot;
+mod stored_identity;
 
+#[cfg(feature = "store")]
 pub use calibration_store::{CalibrationStore, StoredCalibration};
 pub use fault::{NotStored, NothingStored, SlotFault, StoreStep};
 pub use layout::{
     FORMAT_VERSION, LayoutError, MAX_BODY_WORDS, MAX_SLOT_BYTES, SEAL_WORDS, WORD_BYTES,
 };
 pub use origin::{DATE_BYTES, LABORATORY_BYTES, LENS_BYTES, Origin, OriginError};
+#[cfg(feature = "store")]
 pub use probe_point::ProbePoint;
+pub use stored_identity::StoredIdentity;

@@ -127,6 +127,7 @@ pub(crate) fn keep() {
         Controller::time_drift_ppm,
         ClockDrift::after_correction,
         Controller::is_busy,
+        Controller::is_supply_good,
         Controller::record,
         Controller::kept,
         Controller::acknowledge,

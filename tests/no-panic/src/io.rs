@@ -17,9 +17,7 @@ use fmc_camera::io::link::{
 };
 use fmc_camera::io::mavlink::MavlinkReceiver;
 use fmc_camera::io::nmea::NmeaReceiver;
-use fmc_camera::io::store::{
-    CalibrationStore, NothingStored, Origin, ProbePoint, StoredCalibration,
-};
+use fmc_camera::io::store::{CalibrationStore, NothingStored, Origin, ProbePoint};
 
 use crate::flash::Flash;
 
@@ -86,6 +84,8 @@ pub(crate) fn keep() {
         Station::<RigDeck>::deck_mut,
         Station::<RigDeck>::keep_grids_in,
         Station::<RigDeck>::grid_memory_mut,
+        Station::<RigDeck>::load_stored::<Flash>,
+        Station::<RigDeck>::store::<Flash>,
         MavlinkReceiver::new,
         MavlinkReceiver::receive,
         MavlinkReceiver::buffered,
@@ -101,7 +101,6 @@ pub(crate) fn keep() {
         Store::into_flash,
         Store::load,
         Store::store,
-        StoredCalibration::id,
         Origin::new,
         Origin::lens,
         Origin::laboratory,

@@ -3,6 +3,7 @@
 //! A board brings a type `Board` with
 //! - `start`: the board and the cause of its start; `None` if the start fails;
 //! - `NAME`, and `CAN_POWER_OFF`: `true` if `power_off` switches the power off;
+//! - `store`, where the feature `store` is on: the store of the calibration in the board's flash;
 //! - `deck`: the camera of the link, a type `Deck`, not prepared; `fly`: makes a round of the
 //!   control loop if one is due, and never waits;
 //! - `receive`: the next byte from the link, kept by an interrupt until it is taken; `overruns`:

@@ -221,6 +221,11 @@ impl Readiness {
         self.is_supply_good = is_good;
     }
 
+    /// Returns `true` unless the supply is too low to move the stage.
+    pub(super) const fn is_supply_good(&self) -> bool {
+        self.is_supply_good
+    }
+
     /// Notes that the stage begins its exercise.
     pub(super) const fn start_exercise(&mut self) {
         self.mode = Mode::Arming {

@@ -9,6 +9,7 @@ mod clock;
 #[cfg(drills)]
 mod drills;
 mod fault;
+mod flash;
 mod link;
 mod log;
 mod registers;
@@ -22,9 +23,11 @@ use cortex_m::peripheral::{Peripherals, SCB};
 use cortex_m_semihosting::debug;
 
 use fmc_camera::io::link::{deck::RigDeck, message::ResetCause};
+use fmc_camera::io::store::CalibrationStore;
 
 use super::cause;
 use blocks::Blocks;
+use flash::Flash;
 use registers::SharedMemory;
 
 pub(super) use self::{clock::now_us, fault::stop_after_panic, log::carry_log};
@@ -37,6 +40,7 @@ pub(crate) struct Board {
     /// The tick at which the watchdog was last fed.
     fed: u32,
     blocks: Blocks,
+    flash: Flash,
 }
 
 #[allow(
@@ -59,13 +63,21 @@ impl Board {
         watchdog::start();
         #[cfg(negative_control)]
         super::panic::can_panic();
+        let memory = SharedMemory::of(&core.CPUID);
         Some((
             Self {
                 fed: clock::ticks(),
-                blocks: Blocks::offered(SharedMemory::of(&core.CPUID)),
+                blocks: Blocks::offered(memory),
+                flash: Flash::of(memory),
             },
             start,
         ))
+    }
+
+    /// Returns the store of the calibration: two sectors, an erasure of which takes less time than
+    /// the watchdog has.
+    pub(crate) fn store(&self) -> Option<CalibrationStore<Flash>> {
+        CalibrationStore::new(self.flash, 0).ok()
     }
 
     /// Returns a test rig.

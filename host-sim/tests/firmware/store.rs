@@ -1,0 +1,295 @@
+//! The calibration in the flash of the firmware in QEMU, through resets and kills of the machine.
+
+use std::fs::{self, OpenOptions};
+use std::os::unix::fs::FileExt as _;
+use std::path::Path;
+use std::process::Command;
+use std::thread::{self, JoinHandle};
+use std::time::{Duration, Instant};
+
+use assert_cmd::cargo::cargo_bin;
+use fmc_camera::flight::calibration_id::{SerialNumber, Storage};
+use fmc_camera::geometry::frame_correction::Corrected;
+use fmc_camera::io::link::message::Refusal;
+use fmc_camera::io::store::{NotStored, Origin, SlotFault, StoredIdentity};
+use fmc_camera::{CalibrationParameters, CameraParameters, Exposure, SensorPoint};
+use fmc_camera_file::GridFiles;
+use host_sim::device::link_error::LinkError;
+use host_sim::device::qemu::{Qemu, QemuOptions};
+use host_sim::device::{
+    CorrectingDevice as _, DeviceError, InProcess, KeepingCamera as _, Machine,
+};
+
+use crate::firmware::grids;
+
+const MACHINES: [Machine; 2] = [Machine::An386, Machine::An500];
+const EXPOSURE: Exposure = Exposure::new(0.1, 0.005);
+
+/// Place of the flash's words in the machine's memory.
+const FLASH_AT: u64 = 0x10_0000;
+/// Bytes of a sector.
+const SECTOR: u64 = 0x2_0000;
+
+fn camera(version: u32) -> CameraParameters {
+    let mut lens = CalibrationParameters::new(100.0, [8000, 6000], 10.0);
+    lens.distortion.k1 = -1e-8 * f32::from(u8::try_from(version).unwrap());
+    CameraParameters {
+        serial: SerialNumber::new("5282").unwrap(),
+        version,
+        ..CameraParameters::new(lens)
+    }
+}
+
+fn origin() -> Origin {
+    Origin::new("HR 100 No. 7", "Test range", "2026-05-17").unwrap()
+}
+
+fn points() -> Vec<SensorPoint> {
+    let place = |index: u8| (0.4 * f32::from(index) - 38.0, 28.0 - 0.3 * f32::from(index));
+    let points = (0..180).map(place);
+    points.map(|(x, y)| SensorPoint::new(x, y)).collect()
+}
+
+fn with_flash(machine: Machine, flash: &Path) -> Qemu {
+    let options = QemuOptions {
+        flash: Some(flash.to_owned()),
+        ..QemuOptions::default()
+    };
+    Qemu::start(machine, &options).unwrap()
+}
+
+/// Returns points as the camera corrects them with what it has started with, without a twin.
+fn corrected_by_itself(qemu: &mut Qemu) -> Vec<Corrected> {
+    qemu.remote()
+        .correct_by_itself(&EXPOSURE, &points())
+        .unwrap()
+}
+
+fn corrected_here(camera: &CameraParameters, grids: &GridFiles) -> Vec<Corrected> {
+    let mut twin = InProcess::default();
+    twin.load_grids(grids).unwrap();
+    twin.load(camera).unwrap();
+    twin.expose(&EXPOSURE).unwrap();
+    twin.correct(&points()).unwrap()
+}
+
+/// Kills the machine after some time, as a failing supply does: the firmware is not asked.
+fn killed_after(qemu: &Qemu, time: Duration) -> JoinHandle<()> {
+    let id = qemu.process_id().to_string();
+    thread::spawn(move || {
+        thread::sleep(time);
+        let status = Command::new("kill").args(["-9", &id]).status().unwrap();
+        assert!(status.success());
+    })
+}
+
+fn stored(qemu: &mut Qemu) -> StoredIdentity {
+    qemu.stored().unwrap().unwrap()
+}
+
+#[test]
+#[ignore = "needs QEMU and the image: cargo xtask test"]
+fn stored_calibration_with_grids_is_found_after_a_reset_and_after_a_kill_and_corrects_to_the_bit() {
+    let folder = tempfile::tempdir().unwrap();
+    for machine in MACHINES {
+        let flash = folder.path().join(format!("flash of {machine}"));
+        let (mut with_grids, files) = grids::camera(1);
+        (with_grids.version, with_grids.serial) = (3, camera(2).serial);
+        for (camera, grids) in [(camera(2), GridFiles::default()), (with_grids, files)] {
+            let expected = corrected_here(&camera, &grids);
+            let mut qemu = with_flash(machine, &flash);
+            qemu.put_into_use(&camera, &grids).unwrap();
+            let record = qemu.store(&origin()).unwrap();
+            assert_eq!(record.id.version, camera.version);
+            assert_eq!(record.id.storage, Storage::Stored);
+            qemu.remote().reset().unwrap();
+            assert_eq!(qemu.remote().identity().calibration, Some(record.id));
+            assert_eq!(corrected_by_itself(&mut qemu), expected);
+            killed_after(&qemu, Duration::ZERO).join().unwrap();
+            // The file is free again.
+            drop(qemu);
+
+            let mut qemu = with_flash(machine, &flash);
+            assert_eq!(qemu.remote().identity().calibration, Some(record.id));
+            let found = stored(&mut qemu);
+            assert_eq!((found.id, &found.origin), (record.id, &origin()));
+            assert!(found.is_sealed);
+            assert_eq!(corrected_by_itself(&mut qemu), expected);
+        }
+    }
+}
+
+#[test]
+#[ignore = "needs QEMU and the image: cargo xtask test"]
+fn machine_killed_during_a_store_starts_with_the_calibration_before_or_the_new_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let flash = folder.path().join("flash");
+    let next = |version: u32| {
+        let (mut camera_with_grids, files) = grids::camera(1);
+        (camera_with_grids.version, camera_with_grids.serial) = (version, camera(1).serial);
+        (camera_with_grids, files)
+    };
+    let mut qemu = with_flash(Machine::An386, &flash);
+    let (first, files) = next(1);
+    qemu.put_into_use(&first, &files).unwrap();
+    let start = Instant::now();
+    qemu.store(&origin()).unwrap();
+    let whole = start.elapsed();
+    let (mut kept, mut found) = (1, [0, 0]);
+    for step in 0..24 {
+        let version = 2 + step;
+        let (next, files) = next(version);
+        qemu.put_into_use(&next, &files).unwrap();
+        let killer = killed_after(&qemu, whole * step / 16);
+        let answered = qemu.store(&origin());
+        killer.join().unwrap();
+        drop(qemu);
+        qemu = with_flash(Machine::An386, &flash);
+        let id = stored(&mut qemu).id;
+        assert_eq!(qemu.remote().identity().calibration, Some(id));
+        assert!([kept, version].contains(&id.version), "{id}, not {kept}");
+        if answered.is_ok() {
+            assert_eq!(id.version, version, "it was answered");
+        }
+        found[usize::from(id.version == version)] += 1;
+        kept = id.version;
+    }
+    assert!(found[0] > 3, "few kills came before the commit: {found:?}");
+    qemu.put_into_use(&camera(100), &GridFiles::default())
+        .unwrap();
+    assert_eq!(qemu.store(&origin()).unwrap().id.version, 100);
+}
+
+#[test]
+#[ignore = "needs QEMU and the image: cargo xtask test"]
+fn word_that_cannot_be_read_is_a_fault_of_its_slot_and_the_camera_answers() {
+    let folder = tempfile::tempdir().unwrap();
+    for machine in MACHINES {
+        let flash = folder.path().join(format!("flash of {machine}"));
+        let mut qemu = with_flash(machine, &flash);
+        for version in [1, 2] {
+            qemu.put_into_use(&camera(version), &GridFiles::default())
+                .unwrap();
+            assert_eq!(u32::from(qemu.store(&origin()).unwrap().slot) + 1, version);
+        }
+        drop(qemu);
+        for (slot, version) in [(1, Some(1)), (0, None)] {
+            let file = OpenOptions::new()
+                .read(true)
+                .write(true)
+                .open(&flash)
+                .unwrap();
+            // A bit in the third word of the body.
+            let at = FLASH_AT + slot * SECTOR + 32 * 10 + 5;
+            let mut byte = [0];
+            file.read_exact_at(&mut byte, at).unwrap();
+            file.write_all_at(&[byte[0] ^ 4], at).unwrap();
+            drop(file);
+            let mut qemu = with_flash(machine, &flash);
+            let unreadable = SlotFault::Unreadable { word: 10 };
+            match version {
+                Some(version) => {
+                    let found = stored(&mut qemu);
+                    assert_eq!((found.id.version, found.other), (version, Some(unreadable)));
+                }
+                None => {
+                    let nothing = qemu.stored().unwrap().unwrap_err();
+                    assert_eq!(nothing.slots, [unreadable; 2]);
+                    assert_eq!(qemu.remote().identity().calibration, None);
+                    qemu.put_into_use(&camera(3), &GridFiles::default())
+                        .unwrap();
+                    assert_eq!(qemu.store(&origin()).unwrap().id.version, 3);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+#[ignore = "needs QEMU and the image: cargo xtask test"]
+fn calibration_of_another_camera_and_an_older_one_are_not_stored_and_a_run_without_a_file_is_blank()
+{
+    let mut qemu = Qemu::start(Machine::An386, &QemuOptions::default()).unwrap();
+    assert!(qemu.stored().unwrap().unwrap_err().is_blank());
+    qemu.put_into_use(&camera(4), &GridFiles::default())
+        .unwrap();
+    qemu.store(&origin()).unwrap();
+    let mut other = camera(5);
+    other.serial = SerialNumber::new("5283").unwrap();
+    let of_stored = camera(4).serial;
+    for (camera, refusal) in [
+        (camera(3), NotStored::Older { stored: 4 }),
+        (other, NotStored::OtherCamera { camera: of_stored }),
+    ] {
+        qemu.put_into_use(&camera, &GridFiles::default()).unwrap();
+        let Err(DeviceError::Link {
+            error: LinkError::Refused {
+                refusal: refused, ..
+            },
+            ..
+        }) = qemu.store(&origin())
+        else {
+            panic!("stored");
+        };
+        assert_eq!(refused, Refusal::NotStored(refusal));
+        assert_eq!(stored(&mut qemu).id.version, 4);
+    }
+}
+
+#[test]
+#[ignore = "needs QEMU and the image: cargo xtask test"]
+fn program_stores_a_camera_file_and_tells_it_in_another_run() {
+    let folder = tempfile::tempdir().unwrap();
+    let published = Path::new(env!("CARGO_MANIFEST_DIR")).join("cameras/rc30-5324.toml");
+    let published = fs::read_to_string(published).unwrap();
+    let file = format!("serial = \"5324\"\nversion = 2\n{published}");
+    fs::write(folder.path().join("camera.toml"), file).unwrap();
+    fs::write(folder.path().join("letter"), "Dear").unwrap();
+    let run = |flash: &str, action: &[&str]| {
+        let device = ["camera", "--device", "qemu", "--flash", flash];
+        let mut command = Command::new(cargo_bin!("host-sim"));
+        command.current_dir(folder.path()).args(device).args(action);
+        command.output().unwrap()
+    };
+    let text = |action: &[&str]| {
+        let output = run("flash", action);
+        let stderr = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success(), "{stderr}");
+        String::from_utf8(output.stdout).unwrap()
+    };
+    let nothing = text(&["stored"]);
+    assert!(
+        nothing.contains("none is stored") && nothing.contains("slot 1       blank"),
+        "{nothing}"
+    );
+    let origin = ["--laboratory", "USGS", "--date", "2004-06-01"];
+    let without = run("flash", &[&["store"], &origin[..]].concat());
+    let stderr = String::from_utf8_lossy(&without.stderr).into_owned();
+    assert!(
+        stderr.contains("no calibration is loaded") && stderr.contains("--camera"),
+        "{stderr}"
+    );
+    let said = text(&[&["store", "--camera", "camera.toml"], &origin[..]].concat());
+    let found = text(&["stored"]);
+    for text in [&said, &found] {
+        for part in [
+            "serial 5324, version 2, CRC-32 ",
+            "stored\n",
+            "USGS",
+            "2004-06-01",
+            "it stays",
+        ] {
+            assert!(text.contains(part), "{part}: {text}");
+        }
+    }
+    let json: serde_json::Value = serde_json::from_str(&text(&["stored", "--json"])).unwrap();
+    assert_eq!(json["calibration"]["version"], 2);
+    assert_eq!(json["laboratory"], "USGS");
+    assert_eq!(json["lens"], serde_json::Value::Null);
+    assert_eq!(json["slot_faults"][1], "blank");
+    let letter = run("letter", &["stored"]);
+    let stderr = String::from_utf8_lossy(&letter.stderr).into_owned();
+    assert_eq!(letter.status.code(), Some(2), "{stderr}");
+    assert!(stderr.contains("--flash letter: is no flash"), "{stderr}");
+    assert_eq!(fs::read(folder.path().join("letter")).unwrap(), b"Dear");
+}

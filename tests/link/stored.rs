@@ -1,0 +1,242 @@
+//! The store behind the link: a calibration that is stored is in use at the next start.
+
+use fmc_camera::flight::calibration_id::{CalibrationId, Storage};
+use fmc_camera::flight::camera::CameraParameters;
+use fmc_camera::flight::controller::state::State;
+use fmc_camera::flight::event::{Command, Event, Supply};
+use fmc_camera::flight::exposure::Exposure;
+use fmc_camera::flight::fault::Fault;
+use fmc_camera::geometry::sensor::SensorPoint;
+use fmc_camera::io::link::message::{Answer, Header, Refusal, Request};
+use fmc_camera::io::link::station::LinkEvent;
+use fmc_camera::io::store::{CalibrationStore, NotStored, SlotFault, StoreStep, StoredIdentity};
+
+use crate::link::in_flight::Flight;
+use crate::link::pc::{Pc, SESSION, packet};
+use crate::store::calibrations::{calibration, flash_after, origin, store_in};
+use crate::store::flash_model::{Cell, Cut, FlashModel};
+
+type Store = CalibrationStore<FlashModel>;
+
+/// Returns the PC of a camera that has started from a store.
+fn started(store: &mut Store) -> Pc {
+    let mut pc = Pc::unconnected();
+    let _ = pc.station.load_stored(store);
+    pc.ask(&Request::Connect);
+    pc
+}
+
+/// Asks the camera to store what is in use, as its main loop does.
+fn store(pc: &mut Pc, store: &mut Store, version: u16) -> Answer {
+    let header = Header {
+        session: SESSION,
+        sequence: pc.next,
+    };
+    pc.next += 1;
+    let request = packet(header, &Request::Store(origin(version)));
+    let mut answers = pc.send(request.bytes());
+    if pc.event == Some(LinkEvent::Store) {
+        assert!(answers.is_empty(), "{answers:?}");
+        pc.event = Some(pc.station.store(store));
+        // A zero alone is no packet.
+        answers = pc.send(&[0]);
+    }
+    let [(answered, answer)] = &answers[..] else {
+        panic!("{answers:?}");
+    };
+    assert_eq!(*answered, header);
+    answer.clone()
+}
+
+fn identity(pc: &mut Pc) -> Option<CalibrationId> {
+    pc.next = 0;
+    match pc.ask(&Request::Connect) {
+        Answer::Connected(identity) => identity.calibration,
+        other => panic!("{other:?}"),
+    }
+}
+
+fn points(pc: &mut Pc) -> Answer {
+    let exposed = pc.ask(&Request::Expose(Exposure::new(0.02, 0.005)));
+    assert!(
+        matches!(exposed, Answer::InteriorOrientation(_)),
+        "{exposed:?}"
+    );
+    let points = [(12.5, -7.25), (-20.0, 15.0)];
+    let points = points.map(|(x_mm, y_mm)| SensorPoint::new(x_mm, y_mm));
+    pc.ask(&Request::Correct(points.into_iter().collect()))
+}
+
+fn record(answer: Answer) -> StoredIdentity {
+    match answer {
+        Answer::Stored(Ok(record)) => record,
+        other => panic!("{other:?}"),
+    }
+}
+
+fn loaded(pc: &mut Pc, parameters: &CameraParameters) {
+    let answer = pc.load(parameters);
+    assert!(matches!(answer, Answer::Loaded(_)), "{answer:?}");
+}
+
+#[test]
+fn calibration_that_was_stored_over_the_link_corrects_after_a_start_to_the_same_bits() {
+    let mut flash = store_in(FlashModel::blank());
+    let mut pc = started(&mut flash);
+    let Answer::Stored(Err(nothing)) = pc.ask(&Request::Stored) else {
+        panic!("something is stored");
+    };
+    assert!(nothing.is_blank());
+    assert_eq!(identity(&mut pc), None);
+    for version in [3, 4] {
+        loaded(&mut pc, &calibration(version));
+        assert_eq!(identity(&mut pc).unwrap().storage, Storage::Volatile);
+        let before = points(&mut pc);
+        let stored = record(store(&mut pc, &mut flash, version));
+        assert_eq!(pc.event, Some(LinkEvent::Loaded(stored.id)));
+        assert_eq!(stored.id.version, version.into());
+        assert_eq!(stored.id.storage, Storage::Stored);
+        assert_eq!(stored.origin, origin(version));
+        assert!(stored.is_sealed);
+        // It is the stored one from now on.
+        assert_eq!(identity(&mut pc), Some(stored.id));
+        assert_eq!(record(pc.ask(&Request::Stored)), stored);
+        pc = started(&mut flash);
+        assert_eq!(identity(&mut pc), Some(stored.id));
+        let found = record(pc.ask(&Request::Stored));
+        assert_eq!((found.id, &found.origin), (stored.id, &stored.origin));
+        assert_eq!(points(&mut pc), before);
+    }
+}
+
+#[test]
+fn camera_whose_slots_are_both_unreadable_answers_and_says_so_and_stores_again() {
+    let mut flash = flash_after(&[3, 4]);
+    for sector in &mut flash.sectors {
+        sector[0] = Cell::Failing;
+    }
+    let mut flash = store_in(flash.started());
+    let mut pc = started(&mut flash);
+    let Answer::Stored(Err(nothing)) = pc.ask(&Request::Stored) else {
+        panic!("a calibration is found");
+    };
+    assert_eq!(nothing.slots, [SlotFault::Unreadable { word: 0 }; 2]);
+    assert_eq!(identity(&mut pc), None);
+    assert_eq!(
+        pc.ask(&Request::Expose(Exposure::new(0.02, 0.005))),
+        Answer::Refused(Refusal::NoCalibration)
+    );
+    loaded(&mut pc, &calibration(4));
+    assert_eq!(record(store(&mut pc, &mut flash, 4)).id.version, 4);
+}
+
+#[test]
+fn store_that_is_asked_for_again_is_answered_from_memory() {
+    let mut flash = store_in(FlashModel::blank());
+    let mut pc = started(&mut flash);
+    loaded(&mut pc, &calibration(3));
+    let stored = record(store(&mut pc, &mut flash, 3));
+    let writes = flash.flash_mut().operations.len();
+    assert!(writes > 10);
+    pc.next -= 1;
+    let again = pc.ask(&Request::Store(origin(3)));
+    assert_eq!(record(again), stored);
+    assert_eq!(pc.event, Some(LinkEvent::Repeated));
+    assert_eq!(flash.flash_mut().operations.len(), writes);
+    // Nothing waits for the board.
+    assert_eq!(pc.station.store(&mut flash), LinkEvent::Answered);
+    assert_eq!(flash.flash_mut().operations.len(), writes);
+}
+
+#[test]
+fn store_needs_a_store_a_calibration_standby_a_good_supply_and_no_records() {
+    let mut pc = Pc::loaded();
+    for request in [Request::Stored, Request::Store(origin(3))] {
+        assert_eq!(pc.ask(&request), Answer::Refused(Refusal::NoStore));
+    }
+    let mut flash = store_in(FlashModel::blank());
+    let mut pc = started(&mut flash);
+    let refused = |answer| match answer {
+        Answer::Refused(refusal) => refusal,
+        other => panic!("{other:?}"),
+    };
+    assert_eq!(
+        refused(store(&mut pc, &mut flash, 3)),
+        Refusal::NoCalibration
+    );
+
+    let mut flight = Flight::loaded();
+    let _ = flight.pc.station.load_stored(&mut flash);
+    flight.prepare();
+    assert_eq!(
+        refused(store(&mut flight.pc, &mut flash, 3)),
+        Refusal::NotStandby(State::Fault(Fault::Watchdog))
+    );
+    flight.arm();
+    assert_eq!(
+        refused(store(&mut flight.pc, &mut flash, 3)),
+        Refusal::FrameInFlight
+    );
+    flight.round(Some(Event::Command(Command::Disarm)));
+    flight.run_until(State::Standby);
+    flight.round(Some(Event::Supply(Supply::Low)));
+    assert_eq!(
+        refused(store(&mut flight.pc, &mut flash, 3)),
+        Refusal::SupplyLow
+    );
+    flight.round(Some(Event::Supply(Supply::Good)));
+    flight.round(Some(Event::Trigger));
+    assert_eq!(
+        refused(store(&mut flight.pc, &mut flash, 3)),
+        Refusal::RecordsKept(1)
+    );
+    assert_eq!(flash.flash_mut().operations, []);
+    assert_eq!(flight.pc.acknowledge(1), Answer::Kept(0));
+    let stored = record(store(&mut flight.pc, &mut flash, 3));
+    assert_eq!(identity(&mut flight.pc), Some(stored.id));
+    // The stored calibration is to be prepared for.
+    assert_eq!(
+        flight.pc.ask(&Request::Status),
+        Answer::Refused(Refusal::NotPrepared)
+    );
+}
+
+#[test]
+fn session_for_reading_is_told_what_is_stored_and_cannot_store() {
+    let mut flash = store_in(flash_after(&[3]));
+    let mut pc = started(&mut flash);
+    let header = Header {
+        session: SESSION + 1,
+        sequence: 0,
+    };
+    pc.ask_as(header, &Request::ConnectReading);
+    assert_eq!(record(pc.ask_as(header, &Request::Stored)).id.version, 3);
+    let refused = pc.ask_as(header, &Request::Store(origin(3)));
+    assert_eq!(refused, Answer::Refused(Refusal::ReadingOnly));
+}
+
+#[test]
+fn older_version_and_a_flash_that_fails_are_refused_with_their_reasons() {
+    let mut flash = store_in(flash_after(&[5]));
+    let mut pc = started(&mut flash);
+    loaded(&mut pc, &calibration(4));
+    let older = NotStored::Older { stored: 5 };
+    assert_eq!(
+        store(&mut pc, &mut flash, 4),
+        Answer::Refused(Refusal::NotStored(older))
+    );
+    // The calibration in use stays, volatile.
+    assert_eq!(identity(&mut pc).unwrap().version, 4);
+    assert_eq!(record(pc.ask(&Request::Stored)).id.version, 5);
+
+    // The further seal is the first operation, the erasure the second.
+    let failing = flash_after(&[5]).started().cut_at(1, Cut::First(0));
+    let mut flash = store_in(failing);
+    let mut pc = started(&mut flash);
+    loaded(&mut pc, &calibration(6));
+    let step = StoreStep::Erase;
+    assert_eq!(
+        store(&mut pc, &mut flash, 6),
+        Answer::Refused(Refusal::NotStored(NotStored::Flash { slot: 1, step }))
+    );
+}
