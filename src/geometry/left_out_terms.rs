@@ -8,8 +8,8 @@ use super::sensor::{FmcAxis, SensorPoint};
 /// that the short kernel drops.
 ///
 /// The default leaves nothing out. A coordinate in single precision has no digits for them: less
-/// than a nanometre in an exposure of 1/50 s with a 50 mm lens. One in double precision has, and they are added to
-/// its distortion.
+/// than a nanometre in an exposure of 1/50 s with a 50 mm lens. One in double precision has, and
+/// they are added to its distortion.
 ///
 /// # Model
 /// The rest of the mean of `docs/derivations/exposure_mean.txt` beyond

@@ -57,7 +57,8 @@ impl Findings {
     }
 }
 
-/// What a start may find, and what it might find: the versions that were there before the store.
+/// Versions that a start may find, and those that it might: the ones that were there before the
+/// store.
 struct Allowed<'a> {
     found: Vec<Start>,
     before: &'a [Start],
