@@ -5,6 +5,7 @@ mod budget;
 mod calibrate;
 mod camera;
 mod camera_file;
+mod campaign;
 mod certificate;
 mod composition;
 mod device;
@@ -75,6 +76,7 @@ pub fn run(cli: Cli) -> Result<(), Failure> {
         Command::Block(args) => block::run(&args),
         Command::Mission(args) => mission::run(&args),
         Command::Statistics(args) => statistics::run(&args),
+        Command::Campaign(args) => campaign::run(&args),
         Command::Records(args) => records::run(&args),
         Command::Export(args) => export::run(&args),
         Command::Import(args) => import::run(&args),

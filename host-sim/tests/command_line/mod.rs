@@ -37,6 +37,8 @@ mod calibration_files;
 mod camera;
 #[cfg(test)]
 mod camera_file;
+#[cfg(test)]
+mod campaign;
 mod certificate;
 #[cfg(test)]
 mod composition;
@@ -105,7 +107,6 @@ mod serial;
 mod smear;
 #[cfg(test)]
 mod start;
-#[cfg(test)]
 mod statistics;
 #[cfg(test)]
 mod streaming;
