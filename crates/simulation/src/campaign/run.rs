@@ -63,10 +63,12 @@ pub fn fly<D: FlyingDevice + Clone>(
     for injection in &injections {
         flight.inject(*injection);
     }
-    flight.end_triggers(last_trigger_us(&injections, faults));
+    // The triggers after it are left out, which is no effect of a fault.
+    let last_us = last_trigger_us(&injections, faults);
+    flight.end_triggers(last_us);
     let mut arrived_us = None;
     let flown = flight.to_end(AFTER_US, |now_us, told| {
-        if arrived_us.is_none() && !start.was_told(now_us, told) {
+        if arrived_us.is_none() && now_us <= last_us && !start.was_told(now_us, told) {
             arrived_us = Some(now_us);
         }
     })?;
