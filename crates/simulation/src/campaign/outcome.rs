@@ -1,6 +1,7 @@
 //! Outcome of one run, as a line of text.
 
 use std::fmt;
+use std::num::ParseIntError;
 
 /// The largest part of what a record allows that an error takes.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -53,9 +54,9 @@ impl Outcome {
     pub fn parse(line: &str) -> Option<Self> {
         let mut fields = line.split('|');
         let mut next = || fields.next();
-        let arrived_ms = number(next()?)?;
+        let arrived_ms = number(next()?).ok()?;
         let effect = next()?.to_owned();
-        let effect_ms = number(next()?)?;
+        let effect_ms = number(next()?).ok()?;
         let (name, used) = (next()?, next()?);
         let worst = match (name, used) {
             ("", "") => None,
@@ -70,7 +71,7 @@ impl Outcome {
             effect_ms,
             worst,
             silent: next()?.parse().ok()?,
-            first_silent: number(next()?)?,
+            first_silent: number(next()?).ok()?,
             unrecorded: next()?.parse().ok()?,
             unanswered: next()?.parse().ok()?,
             exposed: next()?.parse().ok()?,
@@ -80,11 +81,11 @@ impl Outcome {
 }
 
 /// Reads a number that may be missing.
-fn number(text: &str) -> Option<Option<u32>> {
-    match text {
-        "" => Some(None),
-        _ => text.parse().ok().map(Some),
+fn number(text: &str) -> Result<Option<u32>, ParseIntError> {
+    if text.is_empty() {
+        return Ok(None);
     }
+    text.parse().map(Some)
 }
 
 impl fmt::Display for Outcome {

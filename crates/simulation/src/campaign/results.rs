@@ -103,15 +103,12 @@ impl Results {
     }
 
     fn add(&mut self, run: Run, outcome: &Outcome) {
-        let name = match run.faults.as_slice() {
-            [(case, _)] => {
-                self.runs += 1;
-                case.row()
-            }
-            _ => {
-                self.pairs += 1;
-                PAIRS.to_owned()
-            }
+        let name = if let [(case, _)] = run.faults.as_slice() {
+            self.runs += 1;
+            case.row()
+        } else {
+            self.pairs += 1;
+            PAIRS.to_owned()
         };
         let Some(row) = self.rows.iter_mut().find(|row| row.name == name) else {
             return;

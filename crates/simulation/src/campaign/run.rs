@@ -103,9 +103,10 @@ fn judged<D>(
             .filter(move |(frame, _)| frame.record.trigger.us() + FRAME_US >= onset_us)
     };
     let silent: Vec<u32> = judged()
-        .filter(|(frame, verdict)| match verdict {
-            Some(verdict) => is_silent(verdict),
-            None => {
+        .filter(|(frame, verdict)| {
+            if let Some(verdict) = verdict {
+                is_silent(verdict)
+            } else {
                 let is_plain = frame.record.faults.is_empty()
                     && frame
                         .record

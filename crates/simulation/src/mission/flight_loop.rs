@@ -80,6 +80,10 @@ pub fn fly<D: FlyingDevice + ?Sized>(
 /// A flight in progress. A copy of it flies on as the flight itself does, so that flights with
 /// different faults need not repeat what comes before.
 #[derive(Debug, Clone)]
+#[expect(
+    clippy::struct_excessive_bools,
+    reason = "each is a state of the world of its own"
+)]
 pub struct Flight<D> {
     device: D,
     /// Time of the last round, µs on the camera's clock.

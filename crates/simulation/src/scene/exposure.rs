@@ -149,6 +149,7 @@ impl<'a> ExposedScene<'a> {
     }
 
     /// Returns the images of ground points at a time after first light, as [`Self::place_at`] does.
+    #[must_use]
     pub fn places_at(&self, grounds_m: &[[f64; 3]], after_opening_s: f64) -> Vec<Option<[f64; 2]>> {
         let instant = self.instant(after_opening_s);
         let places = grounds_m
