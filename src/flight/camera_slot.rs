@@ -12,7 +12,7 @@ use crate::geometry::range::OutOfRange;
 ///
 /// There is one copy of the camera. It stays where it is when it is prepared, and all users borrow
 /// it from here, so that correction, adjustment and flight cannot use different calibrations.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(crate) struct CameraSlot {
     /// Start of the next flight.
     start: Start,

@@ -52,7 +52,7 @@ impl RigAnswer {
 }
 
 /// A camera on a test rig, with a new drive for every flight.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Rig {
     camera: CameraSlot,
     drive: Option<RigDrive>,

@@ -118,8 +118,12 @@ impl UtcClock {
             return Some(self.take_stray(last, time));
         };
         self.stray = None;
+        let has_moved = self.doubt_unmeasured(last, seconds, drift_ppm);
         self.measure(drift_ppm);
         self.pulse = Some(last.later(time, seconds));
+        if has_moved {
+            return Some(UtcFinding::PulsesMoved);
+        }
         (seconds > 1).then(|| UtcFinding::MissingPulses(seconds.saturating_sub(1)))
     }
 
@@ -253,13 +257,29 @@ impl UtcClock {
     /// Returns `true` if a pulse so many seconds after the last is where the measured drift puts
     /// it, or as long as the drift is not measured.
     fn is_in_place(&self, seconds: u32, drift_ppm: f32) -> bool {
-        if self.drifts < MEASURED_DRIFTS {
-            return true;
+        let [off_s, drifted_s] = self.off_and_drifted_s(seconds, drift_ppm);
+        self.drifts < MEASURED_DRIFTS || libm::fabsf(off_s) <= drifted_s
+    }
+
+    /// Takes a pulse that comes far from where the intervals before put it, while the drift is not
+    /// measured, for a move of trusted pulses. It is used, as the intervals before may be the wrong
+    /// ones, and σ covers either. Returns `true` if it is such a pulse.
+    fn doubt_unmeasured(&mut self, last: Pulse, seconds: u32, drift_ppm: f32) -> bool {
+        let [off_s, drifted_s] = self.off_and_drifted_s(seconds, drift_ppm);
+        let has_moved = self.drifts > 0 && last.is_trusted() && libm::fabsf(off_s) > drifted_s;
+        if has_moved {
+            self.move_by(off_s, drifted_s);
         }
+        has_moved
+    }
+
+    /// Returns how far a pulse so many seconds after the last is from where the drift so far puts
+    /// it, and how far it may be, s.
+    fn off_and_drifted_s(&self, seconds: u32, drift_ppm: f32) -> [f32; 2] {
         #[expect(clippy::cast_precision_loss, reason = "at most 600")]
         let elapsed_s = seconds as f32;
         let off_s = 1e-6 * (drift_ppm - self.drift_ppm) * elapsed_s;
-        libm::fabsf(off_s) <= self.drifted_s(elapsed_s)
+        [off_s, self.drifted_s(elapsed_s)]
     }
 
     /// Returns the time by which a pulse may miss its place by the drift, an interval after another

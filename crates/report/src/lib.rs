@@ -11,6 +11,7 @@ pub mod budget;
 pub mod calibration;
 pub mod calibration_identity;
 pub mod camera_status;
+pub mod campaign;
 pub mod chart;
 pub mod composition;
 pub mod exchange;

@@ -152,6 +152,11 @@ Examples:
   host-sim statistics --missions 200 --seed 1 --out statistics
   host-sim statistics --missions 50 --faults one";
 
+pub(super) const CAMPAIGN: &str = "\
+Examples:
+  host-sim campaign --quick --out campaign
+  host-sim campaign --fault counts-lost --pairs 0 --out lost";
+
 pub(super) const RECORDS: &str = "\
 Examples:
   host-sim records --device serial:/dev/ttyACM0 --out flight";

@@ -8,6 +8,7 @@ mod block;
 mod calibration;
 mod camera;
 mod camera_file;
+mod campaign;
 mod certificate;
 mod composition;
 mod examples;
@@ -36,6 +37,7 @@ pub use camera::{
     CameraAction, CameraArgs, ExposureTimeArgs, PrepareArgs, StatusArgs, StoreArgs, VhArgs,
 };
 pub use camera_file::{CameraFileAction, CameraFileArgs};
+pub use campaign::CampaignArgs;
 pub use certificate::{
     CertificateAction, CertificateArgs, CertificateFolderArgs, MakeCertificateArgs,
 };
@@ -263,6 +265,16 @@ pub enum Command {
     /// each of the worst cases, for `host-sim mission --scenario`.
     #[command(after_help = examples::STATISTICS)]
     Statistics(StatisticsArgs),
+    /// Try every fault in every millisecond of a frame cycle, and pairs of faults.
+    ///
+    /// A flight is copied where it is, each copy is given a fault, or two that the seed draws, and
+    /// the frames after it are compared with the physical truth. No exposure may be wrong by more
+    /// than its record allows without a fault or a flag that says so, every trigger has its record,
+    /// and every fault changes what the camera is told in 95 % of its runs at least. Fails (exit 1)
+    /// where a limit is exceeded. A campaign that was ended goes on with the same command: complete
+    /// blocks are kept in progress.txt.
+    #[command(after_help = examples::CAMPAIGN)]
+    Campaign(CampaignArgs),
     /// Fetch the records of a camera: records.csv and records.json.
     ///
     /// Every trigger has a record: the exposure's interior orientation and time, or the reason why

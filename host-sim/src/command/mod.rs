@@ -6,6 +6,7 @@ mod calibrate;
 mod camera;
 mod camera_file;
 mod camera_store;
+mod campaign;
 mod certificate;
 mod composition;
 mod device;
@@ -76,6 +77,7 @@ pub fn run(cli: Cli) -> Result<(), Failure> {
         Command::Block(args) => block::run(&args),
         Command::Mission(args) => mission::run(&args),
         Command::Statistics(args) => statistics::run(&args),
+        Command::Campaign(args) => campaign::run(&args),
         Command::Records(args) => records::run(&args),
         Command::Export(args) => export::run(&args),
         Command::Import(args) => import::run(&args),

@@ -9,8 +9,8 @@ use fmc_camera::flight::settings::FlightSettings;
 use fmc_camera::flight::stage::Setpoint;
 use fmc_camera::flight::time::Time;
 use fmc_camera::io::instruments::counters::InstrumentCounters;
-use fmc_camera::io::instruments::{Instruments, Wire};
 use fmc_camera_file::GridFiles;
+use fmc_simulation::mission::rig_camera::wired;
 use fmc_simulation::mission::wire::WireTraffic;
 
 use super::{CorrectingDevice, DeviceError, FlyingDevice, InProcess};
@@ -49,21 +49,6 @@ pub(super) const fn not_prepared(error: ControllerError) -> DeviceError {
         ControllerError::Settings(error) => DeviceError::Settings(error),
         ControllerError::Travel(error) => DeviceError::Frame(error),
     }
-}
-
-/// Returns the round with the events that the bytes on the wires lead to.
-pub(super) fn wired(
-    instruments: &mut Instruments,
-    step: &RigStep,
-    traffic: &WireTraffic,
-) -> RigStep {
-    for byte in &traffic.receiver {
-        instruments.push(Wire::Receiver, *byte);
-    }
-    for byte in &traffic.autopilot {
-        instruments.push(Wire::Autopilot, *byte);
-    }
-    instruments.wired(step)
 }
 
 impl FlyingDevice for InProcess {

@@ -21,10 +21,11 @@ use fmc_camera::io::instruments::counters::InstrumentCounters;
 use fmc_camera_file::number::single;
 use fmc_camera_file::{GridFiles, InputError};
 use fmc_simulation::mission::clock::ROUND_US;
+use fmc_simulation::mission::rig_camera::wired;
 use fmc_simulation::mission::scenario::MissionScenario;
 use fmc_simulation::mission::wire::WireTraffic;
 
-use super::flying::{not_prepared, wired};
+use super::flying::not_prepared;
 use super::held_grids::HeldGrids;
 use super::{DeviceError, FlyingDevice};
 

@@ -40,6 +40,8 @@ mod camera_file;
 #[cfg(test)]
 #[cfg(unix)]
 mod camera_store;
+#[cfg(test)]
+mod campaign;
 mod certificate;
 #[cfg(test)]
 mod composition;
@@ -108,7 +110,6 @@ mod serial;
 mod smear;
 #[cfg(test)]
 mod start;
-#[cfg(test)]
 mod statistics;
 #[cfg(test)]
 mod streaming;

@@ -12,6 +12,7 @@ mod judged;
 mod lost_counts;
 #[cfg(test)]
 mod nominal;
+mod safety_document;
 mod senders;
 #[cfg(test)]
 mod stall;

@@ -17,7 +17,7 @@ use crate::geometry::range::OutOfRange;
 const LONGEST_PAUSE_S: f32 = 0.005;
 
 /// The pins and the counter of the drive.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Pins<Pwm, Direction, Counter> {
     /// Pulse width of the bridge.
     pub pwm: Pwm,
@@ -33,7 +33,7 @@ pub struct Pins<Pwm, Direction, Counter> {
 /// that brakes or lets go. [`EnabledDrive`](super::enabled_drive::EnabledDrive) adds a pin that
 /// lets go. The pulse width stays if calls fail to come: a device that works without them must then
 /// take the bridge's enable away.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct PwmEncoder<Pwm, Direction, Counter> {
     pins: Pins<Pwm, Direction, Counter>,
     settings: DriveSettings,

@@ -75,7 +75,7 @@ impl QuadratureCounter for Count {
 }
 
 /// [`PwmEncoder`] without hardware: the count comes in as a number, the duty goes out as one.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct RigDrive {
     drive: PwmEncoder<Width, Level, Count>,
 }

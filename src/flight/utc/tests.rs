@@ -201,6 +201,26 @@ fn pulses_that_move_within_the_tolerance_of_any_crystal_are_not_believed_at_once
 }
 
 #[test]
+fn pulses_that_move_before_the_drift_is_measured_are_in_sigma() {
+    for (moved_s, after) in [(1e-4, 4), (-1e-4, 4), (1.7e-4, 7), (-3e-5, 5)] {
+        let mut clock = running(after);
+        for s in after..after + 3 {
+            let time = pulse_at(s).plus_s(moved_s);
+            let found = clock.pulse(time);
+            let expected = (s == after).then_some(UtcFinding::PulsesMoved);
+            assert_eq!(found, expected, "{moved_s} s at {s}");
+            clock.receiver_time(time.plus_s(0.15), (NEW_YEAR_S + s) * US_PER_S);
+            let utc = clock.utc(pulse_at(s)).unwrap();
+            let expected_us = ((NEW_YEAR_S + s) * US_PER_S).cast_signed();
+            let error_s = 1e-6 * (utc.unix_us.cast_signed() - expected_us) as f32;
+            assert!(error_s.abs() <= 1.01 * utc.sigma_s, "{error_s}, {utc:?}");
+            assert!(utc.sigma_s <= 1.5 * moved_s.abs() + 1e-5, "{utc:?}");
+        }
+        assert_eq!(clock.has_stepped(), [false, true]);
+    }
+}
+
+#[test]
 fn time_with_a_fraction_names_the_second_its_pulse_began() {
     let mut clock = running(5);
     clock.pulse(pulse_at(5));

@@ -34,6 +34,8 @@ pub(super) const CONTENTS: &[Entry] = &[
     Part("Reference"),
     Page("Conventions", "docs/conventions.md"),
     Page("Errata", "docs/errata.md"),
+    Page("Hazards", "docs/safety.md"),
+    Page("A campaign of faults", "docs/campaign.md"),
     Page("Derivations", "docs/derivations/README.md"),
     Page("Performance", "docs/performance.md"),
     Page("Rounding", "docs/rounding.md"),

@@ -37,6 +37,17 @@ pub enum MechanicalFault {
     BridgeOff,
     /// A limit switch is closed wherever the stage is.
     LimitStuck,
+    /// The encoder gives more or fewer counts per travel.
+    EncoderScale {
+        /// Excess of the counts, %.
+        percent: f64,
+    },
+    /// The play grows for good: evenly over the duration of the fault, or all at its begin if it
+    /// has no end.
+    PlayGrows {
+        /// Growth, µm.
+        um: f64,
+    },
 }
 
 /// A fault with its time.

@@ -53,6 +53,11 @@ pub struct Mechanics {
     pivot: Option<i64>,
     /// Lasting offset of the count after a reversal.
     shift: i64,
+    /// The count about which an encoder of another scale counts.
+    scale_pivot: Option<i64>,
+    /// Counts by which it was ahead when the scale changed, and is now.
+    ahead_since: i64,
+    ahead_now: i64,
     /// Position of the middle of count 0, µm.
     phase_um: f64,
     /// Source of the encoder's jitter.
@@ -113,6 +118,9 @@ impl Mechanics {
             history: History::new(start, settings.history_s),
             pivot: None,
             shift: 0,
+            scale_pivot: None,
+            ahead_since: 0,
+            ahead_now: 0,
             phase_um: settings.encoder_phase_um.unwrap_or(phase_um),
             noise,
             index: IndexMark::new(),
@@ -224,7 +232,44 @@ impl Mechanics {
                 _ => None,
             })
             .sum();
-        (counted + glitch - self.lost_counts(time_s)) as i32
+        let ahead = self.counts_of_scale(raw);
+        (counted + glitch + ahead - self.lost_counts(time_s)) as i32
+    }
+
+    /// Returns the play at a time, µm.
+    fn play_um(&self, time_s: f64) -> f64 {
+        let grown_um = self
+            .injections
+            .iter()
+            .map(|injection| match injection.fault {
+                MechanicalFault::PlayGrows { um } => um * injection.part(time_s),
+                _ => 0.0,
+            });
+        self.settings.backlash_um + grown_um.sum::<f64>()
+    }
+
+    /// Returns the counts by which an encoder of another scale is ahead.
+    #[expect(
+        clippy::cast_precision_loss,
+        clippy::cast_possible_truncation,
+        reason = "some millions of counts"
+    )]
+    fn counts_of_scale(&mut self, raw: i64) -> i64 {
+        let percents = self.active().filter_map(|fault| match fault {
+            MechanicalFault::EncoderScale { percent } => Some(percent),
+            _ => None,
+        });
+        let percent: f64 = percents.sum();
+        if percent == 0.0 {
+            // What was counted too much stays.
+            self.ahead_since = self.ahead_now;
+            self.scale_pivot = None;
+        } else {
+            let pivot = *self.scale_pivot.get_or_insert(raw);
+            let more = 0.01 * percent * (raw - pivot) as f64;
+            self.ahead_now = self.ahead_since + more.round() as i64;
+        }
+        self.ahead_now
     }
 
     /// Returns the counts lost until a time.
@@ -286,6 +331,8 @@ impl Mechanics {
                 | MechanicalFault::CountsLost { .. }
                 | MechanicalFault::IndexMissing
                 | MechanicalFault::EncoderReversed
+                | MechanicalFault::EncoderScale { .. }
+                | MechanicalFault::PlayGrows { .. }
                 | MechanicalFault::LimitStuck => {}
             }
         }
@@ -328,7 +375,7 @@ impl Mechanics {
         let step_s = until_s - self.time_s;
         self.motion = self.motion.after(&self.settings, self.forces(), step_s);
         let screw_mm = self.motion.position_mm;
-        let ahead_mm = 1e-3 * self.settings.backlash_um;
+        let ahead_mm = 1e-3 * self.play_um(until_s);
         let [from_s, from_mm] = [self.time_s, self.stage_mm];
         self.stage_mm = self.stage_mm.clamp(screw_mm, screw_mm + ahead_mm);
         self.time_s = until_s;

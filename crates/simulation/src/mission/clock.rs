@@ -27,7 +27,7 @@ pub(crate) fn microseconds(seconds: f64) -> u64 {
     clippy::cast_precision_loss,
     reason = "a flight is shorter than 2^53 µs"
 )]
-pub(super) fn seconds(us: u64) -> f64 {
+pub(crate) fn seconds(us: u64) -> f64 {
     us as f64 * 1e-6
 }
 

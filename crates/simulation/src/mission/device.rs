@@ -90,3 +90,59 @@ pub trait FlyingDevice {
     /// An error if the connection to the camera fails.
     fn acknowledge(&mut self, through: u32) -> Result<u32, Self::Error>;
 }
+
+impl<D: FlyingDevice + ?Sized> FlyingDevice for &mut D {
+    type Error = D::Error;
+
+    fn description(&self) -> String {
+        (**self).description()
+    }
+
+    fn load_grids(&mut self, grids: &GridFiles) -> Result<(), Self::Error> {
+        (**self).load_grids(grids)
+    }
+
+    fn prepare(
+        &mut self,
+        camera: &CameraParameters,
+        settings: &FlightSettings,
+    ) -> Result<(), Self::Error> {
+        (**self).prepare(camera, settings)
+    }
+
+    fn setpoint(&self, now: Time) -> Option<Setpoint> {
+        (**self).setpoint(now)
+    }
+
+    fn step(&mut self, step: &RigStep) -> Result<RigAnswer, Self::Error> {
+        (**self).step(step)
+    }
+
+    fn step_with_wires(
+        &mut self,
+        step: &RigStep,
+        traffic: &WireTraffic,
+    ) -> Result<RigAnswer, Self::Error> {
+        (**self).step_with_wires(step, traffic)
+    }
+
+    fn link_counters(&mut self) -> Result<Option<Counters>, Self::Error> {
+        (**self).link_counters()
+    }
+
+    fn instruments(&mut self) -> Result<InstrumentCounters, Self::Error> {
+        (**self).instruments()
+    }
+
+    fn steps(&mut self) -> Vec<(f64, i8)> {
+        (**self).steps()
+    }
+
+    fn frame_record(&mut self, from_sequence: u32) -> Result<Option<FrameRecord>, Self::Error> {
+        (**self).frame_record(from_sequence)
+    }
+
+    fn acknowledge(&mut self, through: u32) -> Result<u32, Self::Error> {
+        (**self).acknowledge(through)
+    }
+}

@@ -1,7 +1,9 @@
 //! Simulated flight: round after round of the control loop, in simulated time.
 
+mod in_progress;
+
 use fmc_camera::flight::controller::state::State;
-use fmc_camera::flight::event::{Action, Event};
+use fmc_camera::flight::event::{Action, Event, Supply};
 use fmc_camera::flight::frame_record::{FrameRecord, Outcome};
 use fmc_camera::flight::rig::{RigAnswer, RigStep};
 use fmc_camera::flight::stage::Setpoint;
@@ -14,7 +16,7 @@ use super::device::FlyingDevice;
 use super::fault::line::{SerialLine, Traffic};
 use super::fault::stage::mechanical;
 use super::fault::trigger::with_overlaps;
-use super::fault::{InjectedFault, Injection};
+use super::fault::{InjectedFault, Injection, active};
 use super::flown::{Flown, FlownFrame};
 use super::light::Light;
 use super::operator::Operator;
@@ -25,6 +27,7 @@ use super::sensors::Sensors;
 use super::shutter::{ShutterSimulator, ShutterTiming};
 use super::trace::Round;
 use super::tracer::Tracer;
+use super::wire::WireTraffic;
 use super::wiring::Wiring;
 use crate::mechanics::Mechanics;
 use crate::noise::Noise;
@@ -40,7 +43,7 @@ pub struct FlightOptions {
     /// Seed of turbulence, noise and jitter.
     pub seed: u64,
     /// Frame whose rounds are kept; without it, the first frame with a fault, or else the one with
-    /// the largest errors.
+    /// the largest errors. 0 is no frame: then no rounds are kept.
     pub frame: Option<u32>,
 }
 
@@ -74,9 +77,19 @@ pub fn fly<D: FlyingDevice + ?Sized>(
     Flight::new(scenario, options, mechanics, device).run(description, status)
 }
 
-/// A flight in progress.
-struct Flight<'a, D: ?Sized> {
-    device: &'a mut D,
+/// A flight in progress. A copy of it flies on as the flight itself does, so that flights with
+/// different faults need not repeat what comes before.
+#[derive(Debug, Clone)]
+#[expect(
+    clippy::struct_excessive_bools,
+    reason = "each is a state of the world of its own"
+)]
+pub struct Flight<D> {
+    device: D,
+    /// Time of the last round, µs on the camera's clock.
+    now_us: u64,
+    /// What the camera was told in the last round.
+    told: Told,
     injections: Vec<Injection>,
     wiring: Wiring,
     clock: CameraClock,
@@ -94,6 +107,7 @@ struct Flight<'a, D: ?Sized> {
     next_trigger: usize,
     last_trigger_us: u64,
     limit_was_closed: bool,
+    is_supply_low: bool,
     /// Events that did not fit into the last round.
     waiting: Vec<(Time, Event)>,
     setpoint: Option<Setpoint>,
@@ -103,12 +117,22 @@ struct Flight<'a, D: ?Sized> {
     flown: Flown,
 }
 
-impl<'a, D: FlyingDevice + ?Sized> Flight<'a, D> {
-    fn new(
+/// What the camera is told in a round.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Told {
+    /// Readings and events.
+    pub step: RigStep,
+    /// Bytes on the wires; `None` without wires.
+    pub traffic: Option<WireTraffic>,
+}
+
+impl<D: FlyingDevice> Flight<D> {
+    /// Creates the flight of a camera that has been prepared, before its first round.
+    pub fn new(
         scenario: &MissionScenario,
         options: FlightOptions,
         mut mechanics: Mechanics,
-        device: &'a mut D,
+        device: D,
     ) -> Self {
         let injections = scenario.injections();
         for injection in mechanical(&injections) {
@@ -150,6 +174,7 @@ impl<'a, D: FlyingDevice + ?Sized> Flight<'a, D> {
             last_trigger_us: triggers_us.last().copied().unwrap_or(0),
             next_trigger: 0,
             limit_was_closed: false,
+            is_supply_low: false,
             waiting: Vec::new(),
             setpoint: None,
             next_sequence: 1,
@@ -158,8 +183,27 @@ impl<'a, D: FlyingDevice + ?Sized> Flight<'a, D> {
             flown: Flown::before(clock.clone(), triggers_us, injections.len()),
             clock,
             injections,
+            now_us: 0,
+            told: Told::default(),
             device,
         }
+    }
+
+    /// Performs the next round of the control loop.
+    ///
+    /// # Errors
+    /// An error if the connection to the camera fails.
+    pub fn advance(&mut self) -> Result<RigAnswer, D::Error> {
+        self.now_us = self.next_round_us();
+        self.round(self.now_us)
+    }
+
+    /// Returns the time of the next round, µs, which a fault makes late.
+    fn next_round_us(&self) -> u64 {
+        let now_s = self.true_s(self.now_us);
+        let late = active(&self.injections, InjectedFault::LateRounds, now_s);
+        let late_us = late.map_or(0, |late| microseconds(late.size / 1000.0));
+        self.now_us + ROUND_US + late_us
     }
 
     fn run(
@@ -167,27 +211,29 @@ impl<'a, D: FlyingDevice + ?Sized> Flight<'a, D> {
         description: String,
         mut status: impl FnMut(&Status),
     ) -> Result<Flown, D::Error> {
-        let mut now_us = 0;
         let mut last_frames = 0;
         loop {
-            now_us += ROUND_US;
-            let answer = self.round(now_us)?;
+            let answer = self.advance()?;
+            let now_us = self.now_us;
             let is_new = self.flown.frames.len() != last_frames;
             if is_new || now_us.is_multiple_of(100 * ROUND_US) {
                 last_frames = self.flown.frames.len();
                 status(&self.status(now_us, answer.state));
             }
-            if self.is_over(now_us, answer.state) {
-                break;
+            if self.is_over(now_us, answer.state, AFTER_US) {
+                return self.into_flown(description);
             }
         }
+    }
+
+    fn into_flown(mut self, description: String) -> Result<Flown, D::Error> {
         self.flown.trace = self.tracer.into_trace(&self.aircraft);
         self.flown.unrecorded = self.light.into_rest();
         self.flown.sentences = self.sensors.sentence_counts();
         if self.has_wires {
             self.flown.instruments = Some(self.device.instruments()?);
         }
-        self.flown.duration_s = seconds(now_us);
+        self.flown.duration_s = seconds(self.now_us);
         self.flown.device = description;
         Ok(self.flown)
     }
@@ -201,10 +247,11 @@ impl<'a, D: FlyingDevice + ?Sized> Flight<'a, D> {
                 .advance(0.0, false, self.true_s(now_us) - self.mechanics.time_s());
         }
         let step = self.step(now_us);
-        let answer = match self.sensors.traffic() {
+        let traffic = self.sensors.traffic();
+        let answer = match &traffic {
             Some(traffic) => {
                 self.has_wires = true;
-                self.device.step_with_wires(&step, &traffic)?
+                self.device.step_with_wires(&step, traffic)?
             }
             None => self.device.step(&step)?,
         };
@@ -231,7 +278,7 @@ impl<'a, D: FlyingDevice + ?Sized> Flight<'a, D> {
             is_open: self.shutter.is_open(self.clock.true_us(now_us)),
             state: answer.state,
         });
-        let next_us = now_us + ROUND_US;
+        let next_us = self.next_round_us();
         let until_next_s = self.true_s(next_us) - self.mechanics.time_s();
         let duty = self.wiring.duty(f64::from(answer.duty));
         self.mechanics.advance(duty, answer.powered, until_next_s);
@@ -240,6 +287,7 @@ impl<'a, D: FlyingDevice + ?Sized> Flight<'a, D> {
             .take(&mut self.shutter, &self.mechanics, next_true_us);
         self.fetch(now_us)?;
         self.tracer.look(now_us, &self.aircraft);
+        self.told = Told { step, traffic };
         Ok(answer)
     }
 
@@ -269,6 +317,17 @@ impl<'a, D: FlyingDevice + ?Sized> Flight<'a, D> {
             events.push((Time::from_us(now_us), Event::LimitSwitch));
         }
         self.limit_was_closed = is_closed;
+        let is_low = active(
+            &self.injections,
+            InjectedFault::SupplyLow,
+            self.true_s(now_us),
+        )
+        .is_some();
+        if is_low != self.is_supply_low {
+            self.is_supply_low = is_low;
+            let supply = if is_low { Supply::Low } else { Supply::Good };
+            events.push((Time::from_us(now_us), Event::Supply(supply)));
+        }
         for command in self.operator.commands(now_us) {
             events.push((Time::from_us(now_us), Event::Command(command)));
         }
@@ -393,8 +452,7 @@ impl<'a, D: FlyingDevice + ?Sized> Flight<'a, D> {
         seconds(self.clock.true_us(shown_us))
     }
 
-    fn is_over(&self, now_us: u64, state: State) -> bool {
-        let [least_us, most_us] = AFTER_US;
+    fn is_over(&self, now_us: u64, state: State, [least_us, most_us]: [u64; 2]) -> bool {
         let is_busy = matches!(state, State::RunUp | State::Tracking | State::Exposing);
         let all_there = self.flown.frames.len() >= self.flown.triggers_us.len();
         now_us > self.last_trigger_us + least_us && all_there && !is_busy

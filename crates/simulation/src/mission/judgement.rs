@@ -37,12 +37,7 @@ impl Judgement {
             .iter()
             .map(|frame| FrameErrors::of(&scenario.camera, frame))
             .collect();
-        let world = TrueWorld::of(scenario, &flown.clock);
-        let verdicts: Vec<Option<Verdict>> = flown
-            .frames
-            .iter()
-            .map(|frame| Verdict::of(&frame.record, &world.truth(frame.truth.as_ref()?)))
-            .collect();
+        let verdicts = verdicts(scenario, flown);
         let mut checks = vec![
             unanswered(flown),
             spurious_faults::check(scenario, flown),
@@ -70,6 +65,16 @@ impl Judgement {
     pub fn passed(&self) -> bool {
         self.checks.iter().all(|check| check.passed)
     }
+}
+
+/// Compares the records of a flight with the physical truth, in the order of the frames.
+pub(crate) fn verdicts(scenario: &MissionScenario, flown: &Flown) -> Vec<Option<Verdict>> {
+    let world = TrueWorld::of(scenario, &flown.clock);
+    flown
+        .frames
+        .iter()
+        .map(|frame| Verdict::of(&frame.record, &world.truth(frame.truth.as_ref()?)))
+        .collect()
 }
 
 /// Checks that every trigger has its record.

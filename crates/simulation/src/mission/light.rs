@@ -14,7 +14,7 @@ const PATH_MARGIN_S: f64 = 0.002;
 const SAME_OPENING_US: u64 = 100_000;
 
 /// Exposures that have no record yet.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(super) struct Light {
     oracle: Oracle,
     /// Row clock of a TDI sensor, in place of the stage.

@@ -26,6 +26,7 @@ mod outcome;
 mod physical_truth;
 pub mod planned_fault;
 pub mod receiver;
+pub mod rig_camera;
 mod row_clock;
 pub mod scenario;
 mod scenario_checks;

@@ -127,7 +127,7 @@ impl Oracle {
     fn largest_smear_mm(&self, frame: &ExposedScene<'_>, exposure_s: f64) -> f64 {
         let [half_x, half_y] = self.camera.half_format_mm();
         let inside = 0.99;
-        [
+        let grounds_m: Vec<[f64; 3]> = [
             [0.0, 0.0],
             [-half_x, -half_y],
             [half_x, -half_y],
@@ -135,29 +135,35 @@ impl Oracle {
             [half_x, half_y],
         ]
         .into_iter()
-        .filter_map(|corner| {
-            let ground = frame.ground_point(corner.map(|part| inside * part))?;
-            farthest_mm(frame, ground, exposure_s)
-        })
-        .fold(0.0, f64::max)
+        .filter_map(|corner| frame.ground_point(corner.map(|part| inside * part)))
+        .collect();
+        let places: Vec<Vec<Option<[f64; 2]>>> = (0..=INSTANTS)
+            .map(|instant| {
+                let after_s = exposure_s * f64::from(instant) / f64::from(INSTANTS);
+                frame.places_at(&grounds_m, after_s)
+            })
+            .collect();
+        let of_point = |point: usize| {
+            let places = places.iter();
+            let places = places.map(|places| places.get(point).copied().flatten());
+            places.collect::<Option<Vec<[f64; 2]>>>()
+        };
+        (0..grounds_m.len())
+            .filter_map(of_point)
+            .map(|places| farthest_mm(&places))
+            .fold(0.0, f64::max)
     }
 }
 
-/// Returns the largest distance between places of an image point during the exposure, mm.
-fn farthest_mm(frame: &ExposedScene<'_>, ground_m: [f64; 3], exposure_s: f64) -> Option<f64> {
-    let places: Vec<[f64; 2]> = (0..=INSTANTS)
-        .map(|instant| {
-            let after_s = exposure_s * f64::from(instant) / f64::from(INSTANTS);
-            frame.place_at(ground_m, after_s)
-        })
-        .collect::<Option<_>>()?;
+/// Returns the largest distance between places of an image point, mm.
+fn farthest_mm(places: &[[f64; 2]]) -> f64 {
     let mut farthest: f64 = 0.0;
     for (index, [x, y]) in places.iter().enumerate() {
         for [other_x, other_y] in places.iter().skip(index + 1) {
             farthest = farthest.max((x - other_x).hypot(y - other_y));
         }
     }
-    Some(farthest)
+    farthest
 }
 
 /// Returns the means of time and offset over the transmission. Both are straight between

@@ -5,8 +5,8 @@ use fmc_camera::flight::time::Time;
 
 use super::aircraft::Aircraft;
 use super::clock::{Clocked, microseconds, seconds};
-use super::fault::Injection;
 use super::fault::line::{SerialLine, Traffic};
+use super::fault::{Injection, attitude, receiver};
 use super::receiver::SentenceCounts;
 use super::scenario::MissionScenario;
 use super::source::{Source, ToldVh};
@@ -33,6 +33,9 @@ pub struct Sensors {
     /// σ of the pulses' stamps, s, and its source.
     pulse_jitter_s: f64,
     pulse_noise: Noise,
+    /// Time at which the last pulse comes again, µs.
+    second_pulse_us: Option<u64>,
+    injections: Vec<Injection>,
     /// Time of the next event, µs.
     due_us: u64,
     /// V/H according to the first source.
@@ -80,9 +83,23 @@ impl Sensors {
                 .as_ref()
                 .map_or(0.0, |gnss| 1e-6 * gnss.pulse_jitter_us),
             pulse_noise: Noise::new(seed, 102),
+            second_pulse_us: None,
+            injections: injections.to_vec(),
             due_us: 0,
             told: tables.first().map(|table| ToldVh::of(table.source)),
         }
+    }
+
+    /// Adds a fault.
+    pub fn inject(&mut self, injection: Injection) {
+        for source in &mut self.sources {
+            source.inject(injection);
+        }
+        self.wires.inject(injection);
+        self.line.inject(&injection);
+        self.injections.push(injection);
+        // The next event may come sooner.
+        self.due_us = 0;
     }
 
     /// Returns the events that arrive up to a time, in order.
@@ -103,9 +120,10 @@ impl Sensors {
         }
         if let Some(clock) = &mut self.attitude {
             while clock.next_us <= to_us {
-                let is_sent = self.wires.send_attitude(clock.next_us, aircraft);
+                let time_s = seconds(clock.next_us);
+                let sample = attitude::reported(&self.injections, aircraft, time_s);
+                let is_sent = self.wires.send_attitude(clock.next_us, aircraft, &sample);
                 if !is_sent && !self.line.loses(Traffic::Attitude, clock.next_us) {
-                    let sample = aircraft.attitude_sample(seconds(clock.next_us));
                     arrived.push((Time::from_us(clock.next_us), Event::Attitude(sample)));
                 }
                 clock.next_us += clock.period_us.max(1);
@@ -114,17 +132,30 @@ impl Sensors {
         }
         if let Some((clock, first_unix_s)) = &mut self.pulses {
             // The events of this clock are alternately pulses and the messages that name them.
-            while clock.next_us <= to_us {
+            let injections = &self.injections;
+            let is_pulse =
+                |clock: &Clocked| (clock.next_us - FIRST_PULSE_US).is_multiple_of(SECOND_US);
+            let next_us = |clock: &Clocked| {
+                if is_pulse(clock) {
+                    receiver::moved_us(injections, clock.next_us)
+                } else {
+                    clock.next_us
+                }
+            };
+            while next_us(clock) <= to_us {
                 let time = Time::from_us(clock.next_us);
-                let into_second_us = (clock.next_us - FIRST_PULSE_US) % SECOND_US;
                 let second = (clock.next_us - FIRST_PULSE_US) / SECOND_US;
-                if into_second_us == 0 {
+                if is_pulse(clock) {
                     let [jitter_s] = self.pulse_noise.next([self.pulse_jitter_s]);
-                    let at_us = microseconds(seconds(clock.next_us) + jitter_s);
-                    arrived.push((Time::from_us(at_us), Event::TimePulse));
+                    let at_us = microseconds(seconds(next_us(clock)) + jitter_s);
+                    if !receiver::is_missing(injections, clock.next_us) {
+                        arrived.push((Time::from_us(at_us), Event::TimePulse));
+                    }
+                    self.second_pulse_us = receiver::again_us(injections, clock.next_us);
                     clock.next_us += NAMED_AFTER_US;
                 } else {
                     let unix_s = *first_unix_s + second;
+                    let unix_s = receiver::named_s(injections, clock.next_us, unix_s);
                     if self.wires.has_receiver() {
                         let mut sources = self.sources.iter_mut();
                         let receiver = sources.find(|source| source.has_receiver());
@@ -137,8 +168,12 @@ impl Sensors {
                     clock.next_us += clock.period_us - NAMED_AFTER_US;
                 }
             }
-            due_us = due_us.min(clock.next_us);
+            due_us = due_us.min(next_us(clock));
         }
+        if let Some(pulse_us) = self.second_pulse_us.take_if(|pulse_us| *pulse_us <= to_us) {
+            arrived.push((Time::from_us(pulse_us), Event::TimePulse));
+        }
+        due_us = due_us.min(self.second_pulse_us.unwrap_or(u64::MAX));
         self.wires.carry(&self.line, to_us);
         self.due_us = due_us.min(self.wires.due_us());
         arrived.sort_by_key(|(time, _)| *time);

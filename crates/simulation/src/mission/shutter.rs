@@ -53,6 +53,11 @@ impl ShutterSimulator {
         }
     }
 
+    /// Adds a fault.
+    pub fn inject(&mut self, injection: Injection) {
+        self.injections.push(injection);
+    }
+
     /// Receives the command to open at a time, µs.
     pub fn open(&mut self, at_us: u64, exposure_s: f64) {
         let [jitter_s] = self.noise.next([self.jitter_s]);

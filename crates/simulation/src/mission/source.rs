@@ -23,6 +23,8 @@ const BETWEEN: u64 = 110;
 #[derive(Debug, Clone)]
 pub(super) struct Source {
     name: VhSourceName,
+    /// `true` for the first source, which faults without a source are of.
+    is_first: bool,
     clock: Clocked,
     latency_us: u64,
     /// σ of V/H, relative to V/H.
@@ -46,16 +48,9 @@ impl Source {
         is_speed_known: bool,
         seed: u64,
     ) -> Self {
-        let of = |quantity| {
-            let mine = injections.iter().filter(|injection| {
-                let source = injection.source;
-                source.map_or(number == 1, |source| source == table.source)
-                    && injection.quantity == quantity
-            });
-            VhFaults::new(&mine.copied().collect::<Vec<Injection>>())
-        };
-        Self {
+        let mut source = Self {
             name: table.source,
+            is_first: number == 1,
             clock: Clocked {
                 period_us: microseconds(1.0 / table.rate_hz),
                 // The clocks of the sources are not in step.
@@ -65,9 +60,28 @@ impl Source {
             sigma: table.sigma_percent / 100.0,
             noise: Noise::new(seed, number),
             noise_between: Noise::new(seed, BETWEEN + number),
-            faults: [None, Some(VhQuantity::Speed), Some(VhQuantity::Height)].map(of),
+            faults: [(); 3].map(|()| VhFaults::new(&[])),
             is_speed_known,
             under_way: VecDeque::new(),
+        };
+        for injection in injections {
+            source.inject(*injection);
+        }
+        source
+    }
+
+    /// Adds a fault, if it is one of this source.
+    pub(super) fn inject(&mut self, injection: Injection) {
+        let is_mine = injection
+            .source
+            .map_or(self.is_first, |source| source == self.name);
+        let [of_all, of_speed, of_height] = &mut self.faults;
+        if is_mine {
+            match injection.quantity {
+                None => of_all.inject(injection),
+                Some(VhQuantity::Speed) => of_speed.inject(injection),
+                Some(VhQuantity::Height) => of_height.inject(injection),
+            }
         }
     }
 

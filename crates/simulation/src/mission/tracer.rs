@@ -17,7 +17,7 @@ const TRACE_AFTER_US: u64 = 70_000;
 const LONGEST_TRACE_US: u64 = 250_000;
 
 /// A frame whose rounds are being traced.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 struct Traced {
     sequence: u32,
     trigger_us: u64,
@@ -25,7 +25,7 @@ struct Traced {
 }
 
 /// The last rounds, and the trace of the selected frame.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(super) struct Tracer {
     /// Number of the requested frame.
     wanted: Option<u32>,
@@ -53,6 +53,9 @@ impl Tracer {
     }
 
     pub(super) fn push(&mut self, round: Round) {
+        if self.wanted == Some(0) {
+            return;
+        }
         if self.rounds.len() == REMEMBERED {
             self.rounds.pop_front();
         }

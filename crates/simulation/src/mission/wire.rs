@@ -67,17 +67,25 @@ pub(super) struct WireSimulator {
 impl WireSimulator {
     /// Creates an idle wire with its faults among the injections.
     pub(super) fn new(baud: u64, faults: WireFaults, injections: &[Injection]) -> Self {
-        let of_the_wire = injections
-            .iter()
-            .filter(|injection| faults.has(injection.fault));
-        Self {
+        let mut wire = Self {
             baud: baud.max(1),
             bytes: VecDeque::new(),
             free_at_us: 0,
             faults,
-            injections: of_the_wire.copied().collect(),
+            injections: Vec::new(),
             flooded: 0,
             lost_bytes: 0,
+        };
+        for injection in injections {
+            wire.inject(*injection);
+        }
+        wire
+    }
+
+    /// Adds a fault, if it is one of this wire.
+    pub(super) fn inject(&mut self, injection: Injection) {
+        if self.faults.has(injection.fault) {
+            self.injections.push(injection);
         }
     }
 

@@ -1,6 +1,7 @@
 //! The two wires to the camera, with the devices at their far ends.
 
 use fmc_camera::flight::control_loop::{Events, MAX_EVENTS};
+use fmc_camera::flight::event::AttitudeSample;
 use fmc_camera::flight::time::Time;
 use fmc_camera::flight::vh::VhSample;
 use fmc_camera::io::instruments::{Instruments, Wire};
@@ -107,6 +108,16 @@ impl Wires {
         }
     }
 
+    /// Adds a fault to the wire that it is of.
+    pub(super) fn inject(&mut self, injection: Injection) {
+        for wire in [&mut self.receiver, &mut self.autopilot]
+            .into_iter()
+            .flatten()
+        {
+            wire.inject(injection);
+        }
+    }
+
     /// Sends a sample. Returns `false` for a sample that neither receiver nor autopilot reports.
     pub(super) fn send(&mut self, at_us: u64, sample: VhSample) -> bool {
         match (sample, &mut self.receiver, &mut self.autopilot) {
@@ -140,14 +151,18 @@ impl Wires {
     }
 
     /// Sends the attitude of an instant. Returns `false` without an autopilot.
-    pub(super) fn send_attitude(&mut self, at_us: u64, aircraft: &Aircraft) -> bool {
+    pub(super) fn send_attitude(
+        &mut self,
+        at_us: u64,
+        aircraft: &Aircraft,
+        sample: &AttitudeSample,
+    ) -> bool {
         let Some(wire) = &mut self.autopilot else {
             return false;
         };
         let time_s = seconds(at_us);
         let track = self.navigation.track(aircraft, time_s);
-        let sample = aircraft.attitude_sample(time_s);
-        wire.send(at_us, &self.messages.attitude(at_us, track, &sample));
+        wire.send(at_us, &self.messages.attitude(at_us, track, sample));
         true
     }
 

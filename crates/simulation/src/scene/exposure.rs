@@ -1,5 +1,7 @@
 //! One exposure of a scene: positions, attitude and image points while the shutter is open.
 
+use std::sync::OnceLock;
+
 use fmc_camera::geometry::principal_point::StageSample;
 use nalgebra::{Point3, Rotation3, Vector3};
 
@@ -41,7 +43,9 @@ impl Scene {
 struct Node {
     share: f64,
     after_opening_s: f64,
-    instant: Instant,
+    offset_mm: f64,
+    /// Made for the first point that is looked at: means of the stage alone do not need it.
+    instant: OnceLock<Instant>,
 }
 
 /// Positions and attitude at an instant.
@@ -76,7 +80,8 @@ impl<'a> ExposedScene<'a> {
                         nodes.push(Node {
                             share: weight * half * light,
                             after_opening_s,
-                            instant: Instant::of(scene, opening_s, after_opening_s),
+                            offset_mm: scene.stage.offset_mm(after_opening_s),
+                            instant: OnceLock::new(),
                         });
                     }
                 }
@@ -108,7 +113,7 @@ impl<'a> ExposedScene<'a> {
     /// c̄: mean offset of the principal point over the light, mm along the FMC axis.
     #[must_use]
     pub fn centroid_offset_mm(&self) -> f64 {
-        self.mean(|node| node.instant.offset_mm)
+        self.mean(|node| node.offset_mm)
     }
 
     /// Centroid principal point, mm of the sensor frame.
@@ -140,8 +145,17 @@ impl<'a> ExposedScene<'a> {
     /// `None` if it has none. The image may lie beside the pixel array.
     #[must_use]
     pub fn place_at(&self, ground_m: [f64; 3], after_opening_s: f64) -> Option<[f64; 2]> {
-        let instant = Instant::of(self.scene, self.opening_s, after_opening_s);
-        self.place(&instant, ground_m)
+        self.place(&self.instant(after_opening_s), ground_m)
+    }
+
+    /// Returns the images of ground points at a time after first light, as [`Self::place_at`] does.
+    #[must_use]
+    pub fn places_at(&self, grounds_m: &[[f64; 3]], after_opening_s: f64) -> Vec<Option<[f64; 2]>> {
+        let instant = self.instant(after_opening_s);
+        let places = grounds_m
+            .iter()
+            .map(|ground_m| self.place(&instant, *ground_m));
+        places.collect()
     }
 
     /// Returns the image of a ground point; `None` if it has none at some instant, or if its
@@ -150,7 +164,10 @@ impl<'a> ExposedScene<'a> {
     pub fn image_point(&self, ground_m: [f64; 3]) -> Option<ImagePoint> {
         let mut centroid = [0.0; 2];
         for node in &self.nodes {
-            let place = self.place(&node.instant, ground_m)?;
+            let instant = node
+                .instant
+                .get_or_init(|| self.instant(node.after_opening_s));
+            let place = self.place(instant, ground_m)?;
             for (sum, coordinate) in centroid.iter_mut().zip(place) {
                 *sum += node.share * coordinate;
             }
@@ -172,7 +189,7 @@ impl<'a> ExposedScene<'a> {
     pub fn ground_point(&self, sensor_mm: [f64; 2]) -> Option<[f64; 3]> {
         let interior = &self.scene.interior;
         let after_opening_s = self.centroid_s() - self.opening_s;
-        let instant = Instant::of(self.scene, self.opening_s, after_opening_s);
+        let instant = self.instant(after_opening_s);
         let [x0, y0] = self.principal_point_mm();
         let [x, y] = sensor_mm;
         let measured = [x - x0, y - y0].map(|part| part / instant.enlargement);
@@ -186,6 +203,10 @@ impl<'a> ExposedScene<'a> {
             ));
         let eye = instant.position.coords.into();
         self.scene.terrain.seen_along(eye, ray.into())
+    }
+
+    fn instant(&self, after_opening_s: f64) -> Instant {
+        Instant::of(self.scene, self.opening_s, after_opening_s)
     }
 
     fn mean(&self, quantity: impl Fn(&Node) -> f64) -> f64 {

@@ -36,8 +36,10 @@ pub(super) fn append(
     interval_s: f64,
     instruments: &Instruments,
 ) {
+    // The faults that came later are left to `campaign`, so that a seed keeps its missions.
     let possible: Vec<InjectedFault> = InjectedFault::ALL
         .into_iter()
+        .filter(|fault| *fault <= InjectedFault::AutopilotBaud)
         .filter(|fault| instruments.can_have(*fault))
         .collect();
     let fault = random.of(&possible, InjectedFault::Stall);
@@ -97,6 +99,16 @@ fn size(fault: InjectedFault, random: &mut Random) -> String {
             random.scaled(1.0, 1000.0).round()
         }
         InjectedFault::ReceiverBaud | InjectedFault::AutopilotBaud => random.scaled(0.1, 10.0),
+        InjectedFault::EncoderScale
+        | InjectedFault::PlayGrows
+        | InjectedFault::SupplyLow
+        | InjectedFault::LateRounds
+        | InjectedFault::PulseMissing
+        | InjectedFault::PulseDouble
+        | InjectedFault::PulseMoved
+        | InjectedFault::SecondOff
+        | InjectedFault::AttitudeFrozen
+        | InjectedFault::AttitudeWrong => fault.default_size(),
     };
     if fault.is_counted() {
         format!("{size:.1}")

@@ -76,14 +76,21 @@ impl SerialLine {
     /// Creates a line that carries this traffic, with the cuts among the injections.
     #[must_use]
     pub fn new(carried: Carried, injections: &[Injection]) -> Self {
-        let cuts = injections
-            .iter()
-            .filter(|injection| injection.fault == InjectedFault::UartCut);
-        Self {
+        let mut line = Self {
             carried,
-            cuts_us: cuts
-                .map(|cut| [cut.onset_s, cut.end_s()].map(microseconds))
-                .collect(),
+            cuts_us: Vec::new(),
+        };
+        for injection in injections {
+            line.inject(injection);
+        }
+        line
+    }
+
+    /// Adds a cut; other faults are not those of the line.
+    pub fn inject(&mut self, injection: &Injection) {
+        if injection.fault == InjectedFault::UartCut {
+            let ends_s = [injection.onset_s, injection.end_s()];
+            self.cuts_us.push(ends_s.map(microseconds));
         }
     }
 

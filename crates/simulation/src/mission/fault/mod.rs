@@ -11,8 +11,10 @@
 //! assert_eq!(sweep.count(), 4);
 //! ```
 
+pub(in crate::mission) mod attitude;
 mod injection;
 pub mod line;
+pub(in crate::mission) mod receiver;
 pub mod shutter;
 pub mod stage;
 pub mod trigger;
@@ -74,11 +76,32 @@ pub enum InjectedFault {
     AutopilotFlood,
     /// The autopilot sends at another baud rate than the camera expects.
     AutopilotBaud,
+    /// The encoder's scale changes.
+    EncoderScale,
+    /// The play between screw and stage grows for good, evenly over the duration, or at once
+    /// without one.
+    PlayGrows,
+    /// The supply voltage is low.
+    SupplyLow,
+    /// The rounds of the control loop come late.
+    LateRounds,
+    /// The satellite receiver's time pulse does not come.
+    PulseMissing,
+    /// The satellite receiver's time pulse comes twice.
+    PulseDouble,
+    /// The satellite receiver's time pulse comes early or late.
+    PulseMoved,
+    /// The satellite receiver names a wrong second.
+    SecondOff,
+    /// Attitude and rates stay at earlier ones.
+    AttitudeFrozen,
+    /// Attitude and rates are wrong by a factor, such as the sign.
+    AttitudeWrong,
 }
 
 impl InjectedFault {
     /// All of them.
-    pub const ALL: [Self; 24] = [
+    pub const ALL: [Self; 34] = [
         Self::VhDropOut,
         Self::VhJump,
         Self::VhNan,
@@ -103,6 +126,16 @@ impl InjectedFault {
         Self::AutopilotCut,
         Self::AutopilotFlood,
         Self::AutopilotBaud,
+        Self::EncoderScale,
+        Self::PlayGrows,
+        Self::SupplyLow,
+        Self::LateRounds,
+        Self::PulseMissing,
+        Self::PulseDouble,
+        Self::PulseMoved,
+        Self::SecondOff,
+        Self::AttitudeFrozen,
+        Self::AttitudeWrong,
     ];
 
     /// Returns the name used in a scenario.
@@ -133,6 +166,16 @@ impl InjectedFault {
             Self::AutopilotCut => "autopilot-cut",
             Self::AutopilotFlood => "autopilot-flood",
             Self::AutopilotBaud => "autopilot-baud",
+            Self::EncoderScale => "encoder-scale",
+            Self::PlayGrows => "play-grows",
+            Self::SupplyLow => "supply-low",
+            Self::LateRounds => "late-rounds",
+            Self::PulseMissing => "pulse-missing",
+            Self::PulseDouble => "pulse-double",
+            Self::PulseMoved => "pulse-moved",
+            Self::SecondOff => "second-off",
+            Self::AttitudeFrozen => "attitude-frozen",
+            Self::AttitudeWrong => "attitude-wrong",
         }
     }
 
@@ -148,8 +191,10 @@ impl InjectedFault {
         match self {
             Self::VhDropOut | Self::VhNan | Self::VhWrongSign => "of the samples",
             Self::VhJump => "% more",
-            Self::VhFrozen => "s before the onset, the value of which is kept",
-            Self::VhWrongUnit => "times the value",
+            Self::VhFrozen | Self::AttitudeFrozen => {
+                "s before the onset, the value of which is kept"
+            }
+            Self::VhWrongUnit | Self::AttitudeWrong => "times the value",
             Self::Stall => "N of friction more",
             Self::SignError => "(1: motor, 2: encoder)",
             Self::Runaway => "of full pulse width",
@@ -157,7 +202,13 @@ impl InjectedFault {
             Self::CountsLost => "µm lost in sum",
             Self::IndexMissing => "(1: no edge)",
             Self::LimitSwitch => "(1: closed wherever the stage is)",
-            Self::ShutterLate => "ms late",
+            Self::ShutterLate | Self::LateRounds | Self::PulseMoved => "ms late",
+            Self::EncoderScale => "% more counts",
+            Self::PlayGrows => "µm more in the end",
+            Self::SupplyLow => "(1: too low)",
+            Self::PulseMissing => "(1: no pulse)",
+            Self::PulseDouble => "ms after the first pulse",
+            Self::SecondOff => "s more",
             Self::ShutterMissing => {
                 "(0: stays shut, 1: opening edge not seen, 2: closing edge not seen)"
             }
@@ -182,7 +233,16 @@ impl InjectedFault {
             Self::Runaway => [-1.0, 1.0],
             Self::EncoderGlitch => [-1e6, 1e6],
             Self::CountsLost => [-1000.0, 1000.0],
-            Self::LimitSwitch | Self::IndexMissing => [1.0, 1.0],
+            Self::LimitSwitch | Self::IndexMissing | Self::SupplyLow | Self::PulseMissing => {
+                [1.0, 1.0]
+            }
+            Self::EncoderScale => [-50.0, 50.0],
+            Self::PlayGrows => [0.01, 100.0],
+            Self::LateRounds | Self::PulseDouble => [0.1, 500.0],
+            Self::PulseMoved => [-100.0, 100.0],
+            Self::SecondOff => [-3600.0, 3600.0],
+            Self::AttitudeFrozen => [0.0, 60.0],
+            Self::AttitudeWrong => [-60.0, 60.0],
             Self::ShutterLate => [0.01, 100.0],
             Self::ShutterMissing => [0.0, 2.0],
             Self::ShutterDouble => [0.01, 50.0],
@@ -199,7 +259,11 @@ impl InjectedFault {
     pub const fn default_size(self) -> f64 {
         match self {
             Self::VhJump => 30.0,
-            Self::VhFrozen | Self::ShutterMissing => 0.0,
+            Self::VhFrozen | Self::ShutterMissing | Self::AttitudeFrozen => 0.0,
+            Self::PlayGrows | Self::PulseMoved => 10.0,
+            Self::LateRounds => 2.0,
+            Self::PulseDouble => 100.0,
+            Self::AttitudeWrong => -1.0,
             // Knots for metres per second.
             Self::VhWrongUnit => 1.943_844,
             Self::EncoderGlitch => 1000.0,
@@ -216,7 +280,11 @@ impl InjectedFault {
             | Self::SignError
             | Self::Runaway
             | Self::IndexMissing
-            | Self::LimitSwitch => 1.0,
+            | Self::LimitSwitch
+            | Self::EncoderScale
+            | Self::SupplyLow
+            | Self::PulseMissing
+            | Self::SecondOff => 1.0,
         }
     }
 
@@ -276,6 +344,18 @@ impl InjectedFault {
                 | Self::ShutterMissing
                 | Self::ReceiverFlood
                 | Self::AutopilotFlood
+                | Self::SupplyLow
+                | Self::PulseMissing
+                | Self::SecondOff
+        )
+    }
+
+    /// Returns true if the fault is one of the satellite receiver's time.
+    #[must_use]
+    pub const fn is_of_time(self) -> bool {
+        matches!(
+            self,
+            Self::PulseMissing | Self::PulseDouble | Self::PulseMoved | Self::SecondOff
         )
     }
 }

@@ -22,6 +22,8 @@ fn one(injection: &Injection) -> Option<mechanics::Injection> {
         InjectedFault::CountsLost => MechanicalFault::CountsLost { um: size },
         InjectedFault::IndexMissing => MechanicalFault::IndexMissing,
         InjectedFault::LimitSwitch => MechanicalFault::LimitStuck,
+        InjectedFault::EncoderScale => MechanicalFault::EncoderScale { percent: size },
+        InjectedFault::PlayGrows => MechanicalFault::PlayGrows { um: size },
         _ => return None,
     };
     Some(mechanics::Injection {

@@ -26,6 +26,11 @@ impl VhFaults {
         }
     }
 
+    /// Adds a fault of the source.
+    pub fn inject(&mut self, injection: Injection) {
+        self.injections.push(injection);
+    }
+
     /// Returns the value that the source reports at a time in place of the true one; `None` if it
     /// is silent.
     pub fn said(&mut self, time_s: f64, value: f64) -> Option<f64> {
