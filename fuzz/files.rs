@@ -9,6 +9,7 @@ use std::path::Path;
 use fmc_camera::flight::camera::Camera;
 use fmc_camera::flight::exposure::Exposure;
 use fmc_camera::geometry::sensor::SensorPoint;
+use fmc_camera_file::number::single;
 use fmc_camera_file::{CameraFile, InputError};
 use fmc_exchange::found::Stated;
 use fmc_exchange::import::import;
@@ -47,7 +48,7 @@ pub(crate) fn camera_file(bytes: &[u8]) -> bool {
         [vh_per_s[0], exposure_s[1]],
     ] {
         // A mechanism may be too short for it.
-        let Ok(frame) = camera.frame(&Exposure::new(vh_per_s as f32, exposure_s as f32)) else {
+        let Ok(frame) = camera.frame(&Exposure::new(single(vh_per_s), single(exposure_s))) else {
             continue;
         };
         for [right, up] in [
@@ -57,7 +58,7 @@ pub(crate) fn camera_file(bytes: &[u8]) -> bool {
             [-1.0, -1.0],
             [1.0, -1.0],
         ] {
-            let [x_mm, y_mm] = [right * half_mm[0], up * half_mm[1]].map(|mm| mm as f32);
+            let [x_mm, y_mm] = [right * half_mm[0], up * half_mm[1]].map(single);
             let ideal = frame.correction.correct(SensorPoint { x_mm, y_mm }).point;
             assert!(
                 ideal.x_mm.is_finite() && ideal.y_mm.is_finite(),

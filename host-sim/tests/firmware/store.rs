@@ -187,19 +187,16 @@ fn word_that_cannot_be_read_is_a_fault_of_its_slot_and_the_camera_answers() {
             drop(file);
             let mut qemu = with_flash(machine, &flash);
             let unreadable = SlotFault::Unreadable { word: 10 };
-            match version {
-                Some(version) => {
-                    let found = stored(&mut qemu);
-                    assert_eq!((found.id.version, found.other), (version, Some(unreadable)));
-                }
-                None => {
-                    let nothing = qemu.stored().unwrap().unwrap_err();
-                    assert_eq!(nothing.slots, [unreadable; 2]);
-                    assert_eq!(qemu.remote().identity().calibration, None);
-                    qemu.put_into_use(&camera(3), &GridFiles::default())
-                        .unwrap();
-                    assert_eq!(qemu.store(&origin()).unwrap().id.version, 3);
-                }
+            if let Some(version) = version {
+                let found = stored(&mut qemu);
+                assert_eq!((found.id.version, found.other), (version, Some(unreadable)));
+            } else {
+                let nothing = qemu.stored().unwrap().unwrap_err();
+                assert_eq!(nothing.slots, [unreadable; 2]);
+                assert_eq!(qemu.remote().identity().calibration, None);
+                qemu.put_into_use(&camera(3), &GridFiles::default())
+                    .unwrap();
+                assert_eq!(qemu.store(&origin()).unwrap().id.version, 3);
             }
         }
     }

@@ -125,10 +125,11 @@ fn name(block: Block) -> String {
 
 /// Writes a block: its name, its outcomes, and their check sum.
 fn text(name: &str, outcomes: &[Outcome]) -> String {
-    let lines: String = outcomes
-        .iter()
-        .map(|outcome| format!("{outcome}\n"))
-        .collect();
+    let mut lines = String::new();
+    for outcome in outcomes {
+        lines.push_str(&outcome.to_string());
+        lines.push('\n');
+    }
     format!("{name}\n{lines}end {:08x}\n", sum(&lines))
 }
 
