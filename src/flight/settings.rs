@@ -9,8 +9,14 @@ use super::stage_tolerance::StageTolerance;
 use super::vh::settings::VhSettings;
 use crate::geometry::range::{OutOfRange, Quantity};
 
-/// Steps of the encoder by which a stage that follows may be off its set point.
+/// Factor of the excess of the encoder's step over [`FINE_STEP_UM`] by which a stage that follows
+/// may be farther off its set point than the following tolerance: the velocity loop sees speeds in
+/// steps of the encoder per round.
 pub const FOLLOWING_STEPS: f32 = 5.0;
+
+/// Coarsest step of an encoder for which the following tolerance holds as it is, µm
+/// ([`LoopSettings::LEARNED`](super::drive::loop_settings::LoopSettings::LEARNED)).
+pub const FINE_STEP_UM: f32 = 0.5;
 
 /// Steps of the encoder by which a reading of a stage that follows may step beyond its set point.
 pub const JUMP_STEPS: f32 = 3.0;
@@ -145,7 +151,8 @@ impl FlightSettings {
     fn following_mm(&self) -> f32 {
         let drive = &self.drive;
         // An encoder on the stage stands still while its screw takes up the play.
-        1e-3 * (self.following_tolerance_um).max(FOLLOWING_STEPS * drive.encoder_step_um)
+        let coarser_um = (drive.encoder_step_um - FINE_STEP_UM).max(0.0);
+        1e-3 * (self.following_tolerance_um + FOLLOWING_STEPS * coarser_um)
             + drive.seen_play_mm()
             + FRICTION_PART * drive.velocity_loop.friction_error_mm()
     }

@@ -109,6 +109,11 @@ impl Shutter {
         })
     }
 
+    /// r₁: time in which the shutter opens, as a fraction of the base.
+    pub(crate) const fn opening_fraction(&self) -> f32 {
+        self.opening
+    }
+
     /// Returns the effective exposure as a fraction of the base: `1 - (r₁+r₂)/2`.
     #[must_use]
     pub fn effective_fraction(&self) -> f32 {

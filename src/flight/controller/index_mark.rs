@@ -101,14 +101,13 @@ impl StageMachine {
     /// does not agree with the crossing before.
     fn cross_index(&mut self, setup: &Setup) -> Option<InDoubt> {
         let (reading_mm, next_sequence) = self.latched_index.take()?;
-        let (speed_mm_s, change_mm_s) = self.track().speed_at(reading_mm)?;
-        if speed_mm_s <= 0.0 {
+        let speed = self.track().speed_at(reading_mm)?;
+        if speed.speed_mm_s <= 0.0 {
             return None;
         }
         let crossing = Crossing {
             reading_mm,
-            speed_mm_s,
-            change_mm_s,
+            speed,
             next_sequence,
         };
         self.index.cross(&crossing, &setup.settings.drive)

@@ -328,7 +328,8 @@ impl VhMonitor {
         if let Some(way) = survey.way {
             self.unconfirmed = way.held.is_in_doubt;
             if !self.unconfirmed {
-                self.spread.take(now, way.held.value);
+                let speed_m_s = survey.speed_m_s();
+                self.spread.take(now, way.held.value, speed_m_s);
             }
         }
         survey.against()

@@ -16,6 +16,11 @@ pub(super) struct Survey {
 }
 
 impl Survey {
+    /// Returns the speed in use, m/s.
+    pub(super) fn speed_m_s(&self) -> Option<f32> {
+        self.speed.map(|choice| choice.held.value)
+    }
+
     /// Returns the quantity or V/H in use and another that contradicts it.
     pub(super) fn against(&self) -> Option<[f32; 2]> {
         [self.speed, self.height, self.way]

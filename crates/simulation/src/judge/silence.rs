@@ -6,12 +6,16 @@ use super::verdict::Verdict;
 /// Error in units of its σ beyond which a frame without a flag is silent.
 pub const SILENT_SIGMAS: f64 = 5.0;
 
-/// Smear above the predicted one beyond which a frame without a flag is silent, px.
+/// Smear above the predicted one beyond which a frame without a flag may be silent, px.
 pub const SILENT_SMEAR_PX: f64 = 0.3;
 
+/// Multiple of the predicted smear that corresponds to [`SILENT_SIGMAS`]. A prediction is what 95 %
+/// of the frames do not exceed, √(2·ln 20) σ of an error in two dimensions; 5 σ of an error in one
+/// dimension is exceeded with a probability of 5.7e-7, as is √(2·ln(1/5.7e-7)) σ in two.
+pub const SILENT_SMEAR_TIMES: f64 = 2.19;
+
 /// Returns true if a frame without fault and flag has its principal point or its time off by more
-/// than [`SILENT_SIGMAS`], or smear [`SILENT_SMEAR_PX`] above the predicted one, in which an error
-/// of V/H shows.
+/// than [`SILENT_SIGMAS`], or smear that no chance explains ([`is_smear_silent`]).
 #[must_use]
 pub fn is_silent(frame: &Verdict) -> bool {
     let is_wrong = [Quantity::PrincipalPoint, Quantity::Utc]
@@ -21,5 +25,76 @@ pub fn is_silent(frame: &Verdict) -> bool {
                 .of_quantity(quantity)
                 .is_some_and(|stated| stated.ratio().abs() > SILENT_SIGMAS)
         });
-    !frame.is_flagged && (is_wrong || frame.smear_px - frame.predicted_px > SILENT_SMEAR_PX)
+    !frame.is_flagged && (is_wrong || is_smear_silent(frame))
+}
+
+/// Returns true if the smear is more than [`SILENT_SMEAR_PX`] above the predicted one and either
+/// the compensation is, or the smear is more than [`SILENT_SMEAR_TIMES`] the predicted one.
+///
+/// # Model
+/// A prediction is wrong in one of 20 frames by its own definition, and in a gust in several one
+/// after the other: to be above it by a distance in pixels is no sign of a fault, except where the
+/// camera itself is at fault. What V/H, stage, rows of a TDI sensor and shutter do wrong shows in
+/// the motion along the FMC axis that compensation leaves, which neither attitude nor wind across
+/// the track enters. That part has no allowance for chance. The rest, which the camera cannot
+/// compensate, is judged as principal point and time are, by what the record states.
+fn is_smear_silent(frame: &Verdict) -> bool {
+    let least_px = frame.predicted_px + SILENT_SMEAR_PX;
+    let is_beyond_chance = frame.smear_px > SILENT_SMEAR_TIMES * frame.predicted_px;
+    let is_not_compensated = frame.compensation_px.abs() > least_px;
+    frame.smear_px > least_px && (is_beyond_chance || is_not_compensated)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::verdict::StatedError;
+    use super::*;
+
+    /// A frame with a smear that may be the air's in part, px.
+    fn smeared(predicted_px: f64, smear_px: f64, compensation_px: f64) -> Verdict {
+        Verdict {
+            sequence: 1,
+            principal_point_mm: StatedError {
+                error: 0.0,
+                sigma: 1e-5,
+            },
+            across_mm: 0.0,
+            vh_per_s: None,
+            utc_s: None,
+            centroid_us: 0.0,
+            smear_px,
+            compensation_px,
+            predicted_px,
+            is_flagged: false,
+            is_standing: false,
+            vh_source: None,
+        }
+    }
+
+    #[test]
+    fn smear_of_the_air_is_silent_where_no_chance_explains_it() {
+        assert!(!is_silent(&smeared(0.3, 0.59, 0.1)));
+        assert!(!is_silent(&smeared(0.3, 0.65, 0.1)));
+        assert!(is_silent(&smeared(0.3, 0.67, 0.1)));
+        // A prediction near 0 has its allowance in pixels.
+        assert!(!is_silent(&smeared(0.05, 0.34, 0.1)) && is_silent(&smeared(0.05, 0.36, 0.1)));
+    }
+
+    #[test]
+    fn smear_that_compensation_leaves_has_no_allowance_for_chance() {
+        assert!(is_silent(&smeared(0.3, 0.65, 0.61)) && is_silent(&smeared(0.3, 0.65, -0.61)));
+        assert!(!is_silent(&smeared(0.3, 0.65, 0.59)));
+        let flagged = Verdict {
+            is_flagged: true,
+            ..smeared(0.3, 0.65, 0.61)
+        };
+        assert!(!is_silent(&flagged));
+    }
+
+    #[test]
+    fn multiple_is_as_far_out_in_two_dimensions_as_5_sigma_in_one() {
+        let beyond_5_sigma: f64 = 5.733e-7;
+        let times = (beyond_5_sigma.ln() / 0.05_f64.ln()).sqrt();
+        assert!((times - SILENT_SMEAR_TIMES).abs() < 0.005, "{times}");
+    }
 }

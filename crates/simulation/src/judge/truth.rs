@@ -15,4 +15,7 @@ pub struct PhysicalTruth {
     pub vh_per_s: f64,
     /// Largest motion of an image point on the detector, px.
     pub smear_px: f64,
+    /// Image motion along the FMC axis at the principal point that compensation leaves, px, signed:
+    /// neither attitude nor wind across the track is in it.
+    pub compensation_px: f64,
 }

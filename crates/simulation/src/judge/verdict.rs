@@ -44,6 +44,8 @@ pub struct Verdict {
     pub centroid_us: f64,
     /// True smear, px.
     pub smear_px: f64,
+    /// Part of it that compensation leaves along the FMC axis, px, signed.
+    pub compensation_px: f64,
     /// Predicted smear, px.
     pub predicted_px: f64,
     /// `true` if the record has a fault, or a flag other than that of the attitude.
@@ -80,6 +82,7 @@ impl Verdict {
             utc_s: utc_s(exposed, truth),
             centroid_us: whole_us(exposed.centroid.us()) - truth.centroid_us,
             smear_px: truth.smear_px,
+            compensation_px: truth.compensation_px,
             predicted_px: f64::from(exposed.smear_px),
             is_flagged: !record.faults.is_empty()
                 || record.flags.iter().any(|flag| !is_usual(flag)),

@@ -34,6 +34,7 @@ impl<'a> TrueWorld<'a> {
         let [x0, y0] = self.camera.principal_point_mm;
         let axis @ [ex, ey] = self.camera.fmc.axis.unit();
         let offset_mm = truth.centroid_offset_mm;
+        let pixel_mm = self.camera.sensor.pixel_um / 1000.0;
         PhysicalTruth {
             principal_point_mm: [x0 + offset_mm * ex, y0 + offset_mm * ey],
             axis,
@@ -42,7 +43,8 @@ impl<'a> TrueWorld<'a> {
                 .first_pulse_unix_s
                 .map(|first_s| 1_000_000_000 * first_s + nanoseconds(truth.centroid_s)),
             vh_per_s: truth.vh_per_s,
-            smear_px: truth.smear_mm / (self.camera.sensor.pixel_um / 1000.0),
+            smear_px: truth.smear_mm / pixel_mm,
+            compensation_px: truth.compensation_smear_mm / pixel_mm,
         }
     }
 }

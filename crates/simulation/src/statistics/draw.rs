@@ -24,9 +24,9 @@ const LARGEST_AGE_ERROR_S: f64 = 1e-5;
 /// Largest standard deviation of the instant at which the encoder is read, s.
 const LARGEST_READING_JITTER_S: f64 = 2e-6;
 
-/// Largest standard deviation of the stamps of the shutter's edges, µs: the σ that the camera
-/// assumes.
-const LARGEST_STAMP_JITTER_US: f64 = 1.0;
+/// Standard deviations of the stamps of the shutter's edges, µs. With the clock's step of 1 µs
+/// their root mean square is the σ that the camera assumes.
+const STAMP_JITTER_US: [f64; 2] = [0.75, 1.15];
 
 /// Largest difference of a play from its setting, in parts of it: evenly distributed, its σ is that
 /// which the camera assumes.
@@ -336,7 +336,7 @@ fn hardware(random: &mut Random, text: &mut String, flight: &Flight) {
         random.between(0.0, 0.1),
         random.scaled(1.0, 20.0),
         random.between(0.0, 60.0),
-        random.between(0.0, LARGEST_STAMP_JITTER_US),
+        random.between(STAMP_JITTER_US[0], STAMP_JITTER_US[1]),
         random.between(0.2, 0.5),
         random.between(5.0, 10.0),
         coulomb_n * random.between(1.05, 1.4),
@@ -367,7 +367,7 @@ fn settings(random: &mut Random, mut settings: FlightSettings, flight: &Flight) 
     let uniform = |largest: f64| largest / 3.0_f64.sqrt();
     settings.drive.encoder_scale_ppm = single(uniform(LARGEST_SCALE_PPM));
     settings.drive.reading_age_sigma_s =
-        single(uniform(LARGEST_AGE_ERROR_S).hypot(LARGEST_READING_JITTER_S));
+        single(uniform(LARGEST_AGE_ERROR_S).hypot(uniform(LARGEST_READING_JITTER_S)));
     settings.smear_budget_px = single(random.between(0.2, 1.0));
     settings.speed_tolerance_percent = single(random.between(0.5, 3.0));
     settings.trigger_interval_s = single(flight.interval_s);

@@ -47,9 +47,17 @@ impl InFlight {
             [0.0; 2]
         };
         // First light starts the rows: its stamp and that of the last one change the time between
-        // alone, in which the charge lies where the last transfer has put it.
-        let off_mm = setup.camera.closing_mm(planned) - motion.centroid_mm;
-        let stamped_mm = off_mm * SQRT_2 * STAMP_SIGMA_S / planned.exposure_s;
+        // alone, in which the charge lies where the last transfer has put it. The share of the
+        // light before a transfer at u of the exposure changes by u times the transmission there:
+        // by twice the share while the shutter opens, by half of the opening more than it from then
+        // on.
+        let shutter = setup.camera.shutter();
+        let closing_mm = setup.camera.closing_mm(planned);
+        let off_mm = libm::fabsf(closing_mm - motion.centroid_mm);
+        let rows_mm = libm::fabsf(closing_mm - motion.opening_offset_mm);
+        let opening = 0.5 * shutter.opening_fraction() / shutter.effective_fraction();
+        let changes_mm = off_mm + off_mm.min(opening * rows_mm);
+        let stamped_mm = changes_mm * SQRT_2 * STAMP_SIGMA_S / planned.exposure_s;
         ExposureMotion {
             motion,
             sigma: PrincipalPointSigma {
