@@ -144,5 +144,5 @@ fn push_bends_the_speed_and_so_does_the_only_change() {
 #[test]
 fn stage_that_stands_has_no_speed() {
     let track = track_of(&[0.0, 0.005, 0.010, 0.010]);
-    assert_eq!(track.speed_at(0.010).unwrap().speed_mm_s, 0.0);
+    assert!(track.speed_at(0.010).unwrap().speed_mm_s.abs() <= 0.0);
 }
