@@ -138,6 +138,14 @@ impl<Drive: FlownDrive> FlownDeck<Drive> {
         };
     }
 
+    /// Returns `false` if the supply was low in the last round, or is by the events of a camera that
+    /// is prepared.
+    #[must_use]
+    pub fn is_supply_good(&self) -> bool {
+        let is_told_good = self.controller().is_none_or(Controller::is_supply_good);
+        !self.seen.supply_low && is_told_good
+    }
+
     /// Runs a round of the control loop. On return the stage has its command; the other actions are
     /// left to the board.
     pub fn round(&mut self, now: Time) -> RoundActions {

@@ -52,10 +52,10 @@ const SUSPECT_SIGMA: f32 = 3.0;
 /// [`UNSEEN_PART`] of the tolerance e of another crossing like that: as much may be lost unseen. In
 /// that e, d and c are the changes that an even acceleration does not explain: of a stage that
 /// accelerates evenly the speed at the mark is known. To that is added [`OFF_PART`] of the
-/// difference of that crossing from the reference, or of the reference from the settings if that is
-/// larger: uneven motion, or counts that were lost. What the steps make and [`EVEN_SIGMA`] times
-/// the error of the age, with the difference of the speeds, are no such difference: that error is
-/// in σ of every record. Without a crossing, as on a camera without a mark, each of the n records
+/// difference of that crossing from the reference and of the reference from the settings, both, or
+/// the larger of a crossing that becomes the reference: uneven motion, or counts that were lost.
+/// What the steps make and [`EVEN_SIGMA`] times the error of the age, with the difference of the
+/// speeds, are no such difference: that error is in σ of every record. Without a crossing, as on a camera without a mark, each of the n records
 /// since the last may have lost a step that the stage's watch lets pass, up to L either way and
 /// independent of the others: `σ² = n·L²/3`. The difference of a crossing that did not agree is
 /// added to that.
@@ -67,8 +67,8 @@ const SUSPECT_SIGMA: f32 = 3.0;
 pub(crate) struct IndexWatch {
     /// The slowest and steadiest crossing since the camera was armed.
     reference: Option<Reference>,
-    /// Difference of the last crossing from the reference, or of that from the settings if that is
-    /// larger, beyond that which the encoder's steps and the age of its readings make, mm.
+    /// Difference of the last crossing from the reference and of that from the settings, beyond
+    /// that which the encoder's steps and the age of its readings make, mm.
     off_mm: f32,
     /// Tolerance of another crossing like the last one that agreed, of a stage that accelerates
     /// evenly, mm.
@@ -247,7 +247,13 @@ impl IndexWatch {
             - of_age * reference.speed_mm_s;
         let covered_mm = SUSPECT_SIGMA
             * root_of_squares([UNSEEN_PART * self.tolerance_mm, OFF_PART * self.off_mm, 0.0]);
-        self.off_mm = (beyond_mm - of_speed_mm).max(of_settings_mm).max(0.0);
+        let of_reference_mm = (beyond_mm - of_speed_mm).max(0.0);
+        let of_settings_mm = of_settings_mm.max(0.0);
+        self.off_mm = if reference == latest {
+            of_reference_mm.max(of_settings_mm)
+        } else {
+            of_reference_mm + of_settings_mm
+        };
         let is_suspect = self.tolerance_mm > 0.0 && self.off_mm > covered_mm;
         let in_doubt = (is_suspect && self.crossed_before <= last)
             .then(|| InDoubt::between([self.crossed_before, last], off_mm, false));

@@ -152,7 +152,8 @@ impl FlightSettings {
         let drive = &self.drive;
         // An encoder on the stage stands still while its screw takes up the play.
         let coarser_um = (drive.encoder_step_um - FINE_STEP_UM).max(0.0);
-        1e-3 * (self.following_tolerance_um + FOLLOWING_STEPS * coarser_um)
+        let least_um = FOLLOWING_STEPS * drive.encoder_step_um;
+        1e-3 * (self.following_tolerance_um + FOLLOWING_STEPS * coarser_um).max(least_um)
             + drive.seen_play_mm()
             + FRICTION_PART * drive.velocity_loop.friction_error_mm()
     }
@@ -201,6 +202,37 @@ impl Default for FlightSettings {
             vh: VhSettings::default(),
             drive: DriveSettings::default(),
             inputs: InputSettings::default(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn following_um(following_tolerance_um: f32, encoder_step_um: f32) -> f32 {
+        let mut settings = FlightSettings {
+            following_tolerance_um,
+            ..FlightSettings::default()
+        };
+        settings.drive.encoder_step_um = encoder_step_um;
+        let mut alone = settings;
+        alone.following_tolerance_um = 0.0;
+        alone.drive.encoder_step_um = 0.0;
+        1e3 * (settings.following_mm() - alone.following_mm())
+    }
+
+    #[test]
+    fn coarse_step_widens_the_following_tolerance_which_is_five_steps_at_least() {
+        for (tolerance_um, step_um, expected_um) in [
+            (10.0, 0.1, 10.0),
+            (10.0, 0.5, 10.0),
+            (10.0, 1.7, 16.0),
+            (0.1, 0.5, 2.5),
+            (1.0, 5.0, 25.0),
+        ] {
+            let found = following_um(tolerance_um, step_um);
+            assert!((found - expected_um).abs() < 1e-3, "{found} for {step_um}");
         }
     }
 }

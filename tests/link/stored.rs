@@ -7,10 +7,11 @@ use fmc_camera::flight::event::{Command, Event, Supply};
 use fmc_camera::flight::exposure::Exposure;
 use fmc_camera::flight::fault::Fault;
 use fmc_camera::geometry::sensor::SensorPoint;
-use fmc_camera::io::link::message::{Answer, Header, Refusal, Request};
+use fmc_camera::io::link::message::{Answer, Header, Refusal, Request, ResetCause};
 use fmc_camera::io::link::station::LinkEvent;
 use fmc_camera::io::store::{CalibrationStore, NotStored, SlotFault, StoreStep, StoredIdentity};
 
+use crate::link::board::Board;
 use crate::link::in_flight::Flight;
 use crate::link::pc::{Pc, SESSION, packet};
 use crate::store::calibrations::{calibration, flash_after, origin, store_in};
@@ -239,4 +240,22 @@ fn older_version_and_a_flash_that_fails_are_refused_with_their_reasons() {
         store(&mut pc, &mut flash, 6),
         Answer::Refused(Refusal::NotStored(NotStored::Flash { slot: 1, step }))
     );
+    assert_eq!(record(pc.ask(&Request::Stored)).id.version, 5);
+    let in_use = identity(&mut pc).unwrap();
+    assert_eq!((in_use.version, in_use.storage), (6, Storage::Volatile));
+}
+
+#[test]
+fn low_supply_refuses_a_store_also_of_a_camera_that_is_not_prepared() {
+    let mut flash = store_in(flash_after(&[3]));
+    let mut board = Board::connected(ResetCause::PowerOn, 0);
+    let _ = board.pc.station.load_stored(&mut flash);
+    board.levels.supply_low = true;
+    board.round();
+    assert!(!board.deck().is_supply_good());
+    let refused = board.pc.ask(&Request::Store(origin(3)));
+    assert_eq!(refused, Answer::Refused(Refusal::SupplyLow));
+    board.levels.supply_low = false;
+    board.round();
+    assert!(board.deck().is_supply_good());
 }

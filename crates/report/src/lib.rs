@@ -20,6 +20,7 @@ pub mod hash;
 pub mod images;
 mod legend;
 mod length;
+pub mod limits;
 pub mod mission;
 pub mod page;
 mod picture;

@@ -49,7 +49,7 @@ pub enum CameraAction {
     /// The camera uses the value for 5 s; with --for it is repeated until that time is over.
     #[command(after_help = examples::CAMERA_VH)]
     Vh(VhArgs),
-    /// Store a calibration in the camera's flash, from which it starts with it from now on.
+    /// Store a calibration in the camera's flash; the camera starts with it from then on.
     ///
     /// In standby alone, with the supply good and all records fetched. The calibration before stays
     /// in its slot until the new one has been written and read back. A lower version than the

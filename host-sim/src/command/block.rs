@@ -5,6 +5,7 @@ use std::io;
 use fmc_report::block_experiment::summary::Summary;
 use fmc_report::block_experiment::{check_point_plot, html, runs_csv, text};
 use fmc_report::figure::FigureError;
+use fmc_report::limits;
 use fmc_simulation::block_experiment::experiment::{BlockError, BlockExperiment, Request};
 use fmc_simulation::block_experiment::scenario::Scenario;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -38,15 +39,10 @@ pub(super) fn run(args: &SimulatedBlockArgs) -> Result<(), Failure> {
             out.join("report.html").display()
         ));
     }
-    if summary.passed {
-        return Ok(());
+    match limits::exceeded(&summary.checks) {
+        None => Ok(()),
+        Some(names) => Err(Failure::check(format!("beyond its limit: {names}"))),
     }
-    let failed = summary.checks.iter().filter(|check| !check.passed);
-    let failed: Vec<&str> = failed.map(|check| check.what.as_str()).collect();
-    Err(Failure::check(format!(
-        "beyond its limit: {}",
-        failed.join(", ")
-    )))
 }
 
 /// Writes report.html, summary.json, runs.csv and the figure.

@@ -5,6 +5,7 @@ use std::sync::{Mutex, PoisonError};
 
 use fmc_report::campaign::summary::{Summary, scenario_name};
 use fmc_report::campaign::{html, rows_csv, runs_csv, text};
+use fmc_report::limits;
 use fmc_simulation::campaign::outcome::Outcome;
 use fmc_simulation::campaign::plan::{Block, Plan, Request};
 use fmc_simulation::campaign::repeat;
@@ -47,15 +48,10 @@ pub(super) fn run(args: &CampaignArgs) -> Result<(), Failure> {
         "report: {}",
         args.out.join("report.html").display()
     ));
-    if summary.passed {
-        return Ok(());
+    match limits::exceeded(&summary.checks) {
+        None => Ok(()),
+        Some(names) => Err(Failure::check(format!("beyond its limit: {names}"))),
     }
-    let failed = summary.checks.iter().filter(|check| !check.passed);
-    let failed: Vec<&str> = failed.map(|check| check.what.as_str()).collect();
-    Err(Failure::check(format!(
-        "beyond its limit: {}",
-        failed.join(", ")
-    )))
 }
 
 /// Returns what the results depend on: a campaign goes on only where all of it is the same.

@@ -3,6 +3,7 @@
 use std::io;
 
 use fmc_report::figure::FigureError;
+use fmc_report::limits;
 use fmc_report::mission::{coverage_plot, smear_plot};
 use fmc_report::statistics::summary::Summary;
 use fmc_report::statistics::{html, missions_csv, text};
@@ -46,19 +47,10 @@ pub(super) fn run(args: &StatisticsArgs) -> Result<(), Failure> {
             out.join("report.html").display()
         ));
     }
-    if summary.passed {
-        return Ok(());
+    match limits::exceeded(&summary.checks) {
+        None => Ok(()),
+        Some(names) => Err(Failure::check(format!("beyond its limit: {names}"))),
     }
-    let failed: Vec<&str> = summary
-        .checks
-        .iter()
-        .filter(|check| !check.passed)
-        .map(|check| check.what.as_str())
-        .collect();
-    Err(Failure::check(format!(
-        "beyond its limit: {}",
-        failed.join(", ")
-    )))
 }
 
 /// Flies a mission in this process.

@@ -37,7 +37,7 @@ pub enum OpenError {
         /// Fault of the file.
         what: String,
     },
-    /// The file that the user named is no flash of a camera in QEMU, or cannot be used.
+    /// The file that the user named is not the flash of a camera in QEMU, or cannot be used.
     #[error("--flash {}: {what}", path.display())]
     Flash {
         /// The file.

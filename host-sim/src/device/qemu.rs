@@ -50,9 +50,10 @@ pub struct QemuOptions {
 /// The firmware in QEMU: started, asked over its first UART, and ended when this value is dropped.
 #[derive(Debug)]
 pub struct Qemu {
+    /// Dropped first: the process ends before the lock of its flash is freed, which is in `remote`.
+    watch: Watch,
     remote: Remote<BlockPort>,
     machine: Machine,
-    watch: Watch,
 }
 
 /// The process and its log.
@@ -105,9 +106,9 @@ impl Qemu {
         let remote = Remote::connect(&name, link).map_err(|error| watch.explain(error))?;
         let remote = remote.with_wires(receiver, autopilot);
         Ok(Self {
+            watch,
             remote,
             machine,
-            watch,
         })
     }
 

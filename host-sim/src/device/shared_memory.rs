@@ -57,6 +57,11 @@ impl SharedMemory {
         if !cfg!(unix) {
             return Err(failed("QEMU shares no memory on this system".to_owned()));
         }
+        if path.to_str().is_none() {
+            return Err(failed(
+                "its name is not UTF-8, as options of QEMU are".to_owned(),
+            ));
+        }
         let opened = OpenOptions::new()
             .read(true)
             .write(true)
@@ -76,7 +81,7 @@ impl SharedMemory {
             write_at(&file, MARK_AT, &MARK).map_err(system)?;
         } else if length != MEMORY_BYTES || !is_marked(&file) {
             return Err(failed(format!(
-                "is no flash of a camera in QEMU ({length} bytes); name a new file"
+                "is not the flash of a camera in QEMU: {length} bytes instead of {MEMORY_BYTES}, or without its mark; name a new file"
             )));
         }
         // Messages that an earlier run has left are not of this one.
@@ -169,13 +174,13 @@ mod tests {
         fs::write(&path, "Dear").unwrap();
         let error = refused(&path);
         assert!(
-            error.contains("letter: is no flash") && error.contains("4 bytes"),
+            error.contains("letter: is not the flash") && error.contains("4 bytes"),
             "{error}"
         );
         assert_eq!(fs::read(&path).unwrap(), b"Dear");
         let large = folder.path().join("large");
         File::create(&large).unwrap().set_len(MEMORY_BYTES).unwrap();
-        assert!(refused(&large).contains("is no flash"));
+        assert!(refused(&large).contains("is not the flash"));
         assert!(refused(folder.path()).contains("cannot be opened"));
     }
 }

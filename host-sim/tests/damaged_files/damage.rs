@@ -20,6 +20,9 @@ const NUMBERS: [&str; 16] = [
     "",
 ];
 
+/// Signs that have a meaning in one format or another.
+const SIGNS: &[u8] = b"09-.eE{}[]<>(),&*\0\"'\n:=";
+
 /// A random source of damaged files.
 pub(crate) struct Damage {
     random: fastrand::Rng,
@@ -50,10 +53,7 @@ impl Damage {
             0 => bytes.truncate(place),
             1 => bytes[place] ^= 1 << self.random.u8(..8),
             2 => drop(bytes.remove(place)),
-            3 => bytes.insert(
-                place,
-                b"09-.eE{}[]<>(),&*\0\"'\n:="[self.random.usize(..22)],
-            ),
+            3 => bytes.insert(place, SIGNS[self.random.usize(..SIGNS.len())]),
             4 => drop(bytes.drain(line(bytes, place))),
             5 => {
                 let line = line(bytes, place);

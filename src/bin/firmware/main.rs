@@ -88,6 +88,7 @@ fn run(mut board: Board, start: ResetCause) -> ! {
                 }
                 #[cfg(feature = "store")]
                 if let (Some(LinkEvent::Store), Some(store)) = (ending, &mut store) {
+                    journal::note(LinkEvent::Store);
                     ending = Some(station.store(store));
                 }
                 if let Some(event) = ending {

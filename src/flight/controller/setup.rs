@@ -6,7 +6,7 @@ use crate::flight::camera::{self, Camera, FrameError};
 use crate::flight::exposure::{CorrectionModel, Exposure, FlightDirection};
 use crate::flight::index_watch::IndexSides;
 use crate::flight::interior_orientation::InteriorOrientation;
-use crate::flight::settings::{FOLLOWING_STEPS, FlightSettings};
+use crate::flight::settings::{FINE_STEP_UM, FOLLOWING_STEPS, FlightSettings};
 use crate::flight::slope::SLOPE_STEPS;
 use crate::flight::smear_prediction::{
     AircraftMotion, Compensation, PredictedSmear, SmearPrediction,
@@ -184,13 +184,15 @@ pub(in crate::flight) fn checked(
 }
 
 /// Checks that the encoder shows where in its stroke the stage is: a stage that may be off its set
-/// point by all of it without a fault is not watched.
+/// point by all of it, for the coarseness of the encoder, without a fault is not watched.
 fn check_encoder(camera: &Camera, settings: &FlightSettings) -> Result<(), ControllerError> {
     if !camera.has_stage() {
         return Ok(());
     }
     let stroke_mm = camera.calibration().parameters().stroke_mm;
-    let most_um = 1e3 * stroke_mm / FOLLOWING_STEPS;
+    let beyond_tolerance_um = (1e3 * stroke_mm - settings.following_tolerance_um).max(0.0);
+    let most_um = (1e3 * stroke_mm / FOLLOWING_STEPS)
+        .min(FINE_STEP_UM + beyond_tolerance_um / FOLLOWING_STEPS);
     let checked =
         Quantity::EncoderStepUm.check_within(settings.drive.encoder_step_um, 0.0, most_um);
     checked.map(|_| ()).map_err(ControllerError::Settings)

@@ -248,3 +248,17 @@ fn reference_is_the_slowest_and_steadiest_crossing() {
     );
     assert!(cross_unevenly(&mut watch, most_mm + 2e-5, [5.0, 3.0], 1).is_some());
 }
+
+#[test]
+fn difference_from_a_reference_that_is_off_the_settings_itself_counts_with_that() {
+    let mut watch = IndexWatch::new();
+    assert_eq!(cross(&mut watch, 2e-4, 5.0, 1), None);
+    watch.count_record();
+    let beyond_mm = 5e-5;
+    cross(&mut watch, 2e-4 + STEPS_MM + beyond_mm, 5.0, 2);
+    let off_mm = beyond_mm + 2e-4 - 0.5 * STEPS_MM - 1.73 * 2e-6 * 5.0;
+    assert_near(
+        sigma_mm(&watch, 0.0),
+        libm::hypotf(0.15 * REPEAT_MM, 0.5 * off_mm),
+    );
+}

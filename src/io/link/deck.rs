@@ -52,6 +52,12 @@ pub trait FlightDeck {
         answer: &mut RigAnswer,
     ) -> Option<Result<(), Refusal>>;
 
+    /// Returns `false` while the supply is low, also of a camera that is not prepared. A test rig
+    /// that is not prepared knows of none.
+    fn is_supply_good(&self) -> bool {
+        self.controller().is_none_or(Controller::is_supply_good)
+    }
+
     /// Drift of the clock by which the camera stamps, where it is told apart from the camera's
     /// time; `None` on a test rig, or before it is measured.
     fn clock_drift(&self) -> Option<ClockDrift> {
@@ -181,6 +187,10 @@ impl<Drive: FlownDrive> FlightDeck for FlownDeck<Drive> {
 
     fn prepare(&mut self, settings: &FlightSettings) -> Result<(), Refusal> {
         Ok(Self::prepare(self, settings)?)
+    }
+
+    fn is_supply_good(&self) -> bool {
+        Self::is_supply_good(self)
     }
 
     fn controller(&self) -> Option<&Controller> {

@@ -135,7 +135,8 @@ pub enum Request {
     ConnectReading,
     /// Stores the calibration in use, with its residual grids, under this origin: in standby alone,
     /// with the supply good, and while no record is left unacknowledged. A camera that was prepared
-    /// is to be prepared again. The answer takes as long as the erasure of a sector, some seconds.
+    /// is to be prepared again. Grids that were uploaded and are not in use are gone. The answer
+    /// takes as long as the erasure of a sector, some seconds.
     Store(Origin),
     /// Reads what is stored, as the start has found it or the last store has left it.
     Stored,

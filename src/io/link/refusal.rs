@@ -20,7 +20,8 @@ use crate::io::store::NotStored;
 /// Why the camera does not do what it is asked for. Nothing has changed, except that after an
 /// [`Refusal::Exposure`] there is no frame, and that a load is over whose last part is refused with
 /// [`Refusal::LoadCrc`], [`Refusal::NoRecord`], [`Refusal::Calibration`], [`Refusal::Grid`] or
-/// [`Refusal::Grids`].
+/// [`Refusal::Grids`]. After [`Refusal::NotStored`] grids that were uploaded and are not in use are
+/// gone, and with [`NotStored::Flash`] the slot that it names has been written.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Refusal {

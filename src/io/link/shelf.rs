@@ -48,11 +48,12 @@ impl Shelf {
             return Err(Refusal::NoCalibration);
         }
         deck::check_over(deck)?;
+        // Low supply is a fault, too, but a camera may be cleared of it while it is low, and one that
+        // is not prepared has no state.
+        if !deck.is_supply_good() {
+            return Err(Refusal::SupplyLow);
+        }
         if let Some(controller) = deck.controller() {
-            // Low supply is a fault, too, but a camera may be cleared of it while it is low.
-            if !controller.is_supply_good() {
-                return Err(Refusal::SupplyLow);
-            }
             match controller.state() {
                 State::Standby => {}
                 other => return Err(Refusal::NotStandby(other)),

@@ -84,6 +84,10 @@ impl<Drive: FlownDrive> FlightDeck for WiredDeck<Drive> {
         self.flown.offset_mm()
     }
 
+    fn is_supply_good(&self) -> bool {
+        self.flown.is_supply_good()
+    }
+
     fn clock_drift(&self) -> Option<ClockDrift> {
         self.flown.clock_drift()
     }

@@ -78,7 +78,8 @@ impl Sources {
         for entry in fs::read_dir(folder).with_context(told)? {
             let path = entry.with_context(told)?.path();
             if path.is_dir() {
-                if path.file_name().is_some_and(|name| name != "target") {
+                let name = path.file_name().unwrap_or_default().to_string_lossy();
+                if name != "target" && !name.starts_with('.') {
                     self.add(root, &path)?;
                 }
                 continue;
@@ -108,8 +109,15 @@ impl Sources {
             return Step::value_variants().iter().any(|one| one.name() == step);
         }
         let [rust, python] = [format!("fn {test}("), format!("def {test}(")];
-        let is_in = |text: &String| text.contains(&rust) || text.contains(&python);
-        self.texts.iter().any(is_in)
+        self.texts.iter().any(|text| {
+            let lines: Vec<&str> = text.lines().map(str::trim_start).collect();
+            lines.iter().enumerate().any(|(index, line)| {
+                let before = lines.get(..index).unwrap_or_default().iter().rev();
+                let mut attributes = before.take_while(|line| line.starts_with("#["));
+                let is_rust = line.starts_with(&rust) && attributes.any(|one| *one == "#[test]");
+                is_rust || (test.starts_with("test_") && line.starts_with(&python))
+            })
+        })
     }
 }
 
@@ -192,16 +200,20 @@ mod tests {
             counts: [("a.rs", 2), ("b.rs", 1)]
                 .map(|(file, count)| (file.to_owned(), count))
                 .into(),
-            texts: vec!["fn tested() {}".to_owned(), "def also(self):".to_owned()],
+            texts: vec![
+                "    #[test]\n    fn tested() {}\nfn helper() {}".to_owned(),
+                "    def test_also(self):".to_owned(),
+            ],
         };
         let whole = [
             row("a.rs", 2, "registers", "tested"),
             row("b.rs", 1, "a name", "step c"),
         ];
+        assert!(sources.has_test("test_also") && !sources.has_test("helper"));
         assert_eq!(faults(&whole, &sources), [""; 0]);
         let wrong = [
             row("a.rs", 3, " ", "test"),
-            row("c.rs", 1, "registers", "also"),
+            row("c.rs", 1, "registers", "test_also"),
         ];
         let found = faults(&wrong, &sources);
         assert_eq!(found.len(), 5, "{found:#?}");

@@ -9,7 +9,7 @@ use fmc_simulation::block_experiment::variant::Variant;
 use serde::Serialize;
 
 use super::findings;
-use crate::statistics::summary::LimitCheck;
+use crate::limits::LimitCheck;
 
 /// Share of runs in which the tests of all records name no good one.
 const NAMED_NONE: f64 = 1.0 - RECORD_ERROR;

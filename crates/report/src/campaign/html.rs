@@ -85,7 +85,7 @@ fn heat_row(row: &Row) -> HeatRow<'_> {
         name: &row.name,
         runs: wording::count(u64::from(row.runs)),
         without_effect: wording::count(u64::from(row.without_effect)),
-        worst: format!("{:.2}", row.worst),
+        worst: row.worst.map_or(String::new(), |used| format!("{used:.2}")),
         effects: effects.join(", "),
         cells: (0_u32..)
             .zip(&row.cells)

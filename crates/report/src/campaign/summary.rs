@@ -4,7 +4,7 @@ use fmc_simulation::campaign::plan::Request;
 use fmc_simulation::campaign::results::{Results, Row};
 use serde::Serialize;
 
-use crate::statistics::summary::LimitCheck;
+use crate::limits::LimitCheck;
 use crate::wording;
 
 /// Smallest share of its runs in which a fault has to arrive.
@@ -29,7 +29,8 @@ pub struct Summary {
     /// Smallest share of the runs of any one fault in which the camera was told something else than
     /// without it.
     pub faults_arrived_share: f64,
-    /// Number of runs in which the fault has changed nothing that the camera says or does.
+    /// Number of runs without a fault, refusal, flag, withheld quantity or grown σ that the flight
+    /// without the fault does not have. They are in the other numbers, too.
     pub runs_without_effect: u32,
     /// CRC-64 of all outcomes: the same for every number of threads.
     pub digest: String,
@@ -128,6 +129,10 @@ pub fn scenario_name(number: u32) -> String {
     format!("finding-{number:02}.toml")
 }
 
+/// Rounds down: a share below a limit does not look like the limit.
 fn percent(share: f64) -> String {
-    format!("{} %", wording::decimals(100.0 * share, 1))
+    format!(
+        "{} %",
+        wording::decimals((1000.0 * share).floor() / 10.0, 1)
+    )
 }

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use super::summary::Summary;
-use crate::wording;
+use crate::{limits, wording};
 
 /// Writes limits and findings.
 #[must_use]
@@ -11,12 +11,7 @@ pub fn text(summary: &Summary) -> String {
     let mut out = String::new();
     // Writing to a string does not fail.
     let _ = writeln!(out, "{}", headline(summary));
-    let _ = writeln!(out, "{:<8}{:<36}{:>14}  limit", "", "", "found");
-    for check in &summary.checks {
-        let mark = if check.passed { "passed" } else { "FAILED" };
-        let (what, found, limit) = (&check.what, &check.found, &check.limit);
-        let _ = writeln!(out, "{mark:<8}{what:<36}{found:>14}  {limit}");
-    }
+    out += &limits::table(&summary.checks);
     let _ = writeln!(
         out,
         "{} without an effect; digest {}",
@@ -30,7 +25,11 @@ pub fn text(summary: &Summary) -> String {
         let _ = writeln!(out, "findings, of each fault the first:");
     }
     for finding in &summary.findings {
-        let what: String = finding.what.chars().take(60).collect();
+        let mut what: String = finding.what.chars().take(60).collect();
+        if what != finding.what {
+            what.pop();
+            what.push('…');
+        }
         let _ = writeln!(out, "{what:<62}{}", finding.scenario);
     }
     out

@@ -5,7 +5,7 @@ use fmc_simulation::judge::quantity::Quantity;
 use fmc_simulation::statistics::summary::{Case, Request, Statistics};
 use serde::Serialize;
 
-use crate::wording;
+use crate::{limits::LimitCheck, wording};
 
 /// Least root mean square of error/σ: with a smaller one σ is too large.
 const LEAST_RMS: f64 = 0.8;
@@ -56,19 +56,6 @@ pub struct QuantitySummary {
     pub quantity: Quantity,
     /// Its distribution.
     pub coverage: Coverage,
-}
-
-/// A number and its limit.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct LimitCheck {
-    /// Name of the number.
-    pub what: String,
-    /// The number.
-    pub found: String,
-    /// Limit, in words.
-    pub limit: String,
-    /// `true` if it is within its limit.
-    pub passed: bool,
 }
 
 impl Summary {

@@ -94,10 +94,17 @@ impl Case {
     /// Returns the name of the row in which the case is shown.
     #[must_use]
     pub fn row(&self) -> String {
-        let name = self.fault.name();
+        let name = self.name();
         if self.world == World::Reverse {
             return format!("{name}, reverse");
         }
+        name
+    }
+
+    /// Returns the name of the fault, with what it affects.
+    #[must_use]
+    pub fn name(&self) -> String {
+        let name = self.fault.name();
         match (self.source, self.quantity) {
             (Some(_), _) => format!("{name}, second source"),
             (None, Some(VhQuantity::Height)) => format!("{name}, height"),

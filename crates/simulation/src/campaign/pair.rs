@@ -31,7 +31,8 @@ impl Pair {
         let [one, other] = [*cases.get(one)?, *cases.get(other)?];
         let tick = below(&mut noise, to_size(TICKS));
         let after = below(&mut noise, to_size(INTERVAL_MS));
-        // Every world has the first source. A second one is there where either fault needs it.
+        // Every world has the first source. A second one is there where either fault needs it, and
+        // the flight is then along the FMC axis, also for a fault that alone is tried against it.
         Some(Self {
             world: world(one.world, other.world),
             tick: u32::try_from(tick).ok()?,

@@ -49,11 +49,12 @@ pub struct Run {
 }
 
 impl Run {
-    /// Describes the faults: name, size, duration if they end, and delay of the second.
+    /// Describes the faults: name, size, duration if they end, delay of the second, and the
+    /// direction of the flight if it is against the FMC axis.
     #[must_use]
     pub fn description(&self) -> String {
         let faults = self.faults.iter().map(|(case, after)| {
-            let mut text = format!("{} {}", case.row(), case.size);
+            let mut text = format!("{} {}", case.name(), case.size);
             // Writing to a string does not fail.
             if case.duration_s.is_finite() {
                 let _ = write!(text, " for {} s", case.duration_s);
@@ -63,7 +64,11 @@ impl Run {
             }
             text
         });
-        faults.collect::<Vec<_>>().join(" + ")
+        let faults = faults.collect::<Vec<_>>().join(" + ");
+        match self.world {
+            World::Reverse => faults + ", reverse",
+            World::OneSource | World::TwoSources => faults,
+        }
     }
 }
 

@@ -30,8 +30,9 @@ pub struct Row {
     pub silent_bad_exposures: u32,
     /// Number of triggers without their record.
     pub unanswered_triggers: u32,
-    /// Largest part of what a record without fault or flag allows that an error takes.
-    pub worst: f64,
+    /// Largest part of what a record without fault or flag allows that an error takes; `None`
+    /// without such a record.
+    pub worst: Option<f64>,
     /// Number of runs by their first effect.
     pub effects: BTreeMap<String, u32>,
     /// The largest part by the phase of the onset in the frame cycle; `None` without such records.
@@ -120,7 +121,10 @@ impl Results {
         row.unanswered_triggers += outcome.unanswered;
         *row.effects.entry(outcome.effect.clone()).or_default() += 1;
         if let Some(worst) = outcome.worst {
-            row.worst = row.worst.max(worst.used);
+            row.worst = Some(
+                row.worst
+                    .map_or(worst.used, |before| before.max(worst.used)),
+            );
             let cell = usize::try_from(run.tick % INTERVAL_MS / CELL_MS).ok();
             if let Some(cell) = cell.and_then(|cell| row.cells.get_mut(cell)) {
                 *cell = Some(cell.map_or(worst.used, |before| before.max(worst.used)));

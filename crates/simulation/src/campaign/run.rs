@@ -8,7 +8,7 @@ use super::outcome::{Outcome, Quantified};
 use super::world::{FlyingStart, INTERVAL_MS, next_us};
 use crate::judge::answers::Answers;
 use crate::judge::quantity::Quantity;
-use crate::judge::silence::{SILENT_SIGMAS, SILENT_SMEAR_PX, is_silent};
+use crate::judge::silence::{SILENT_SIGMAS, is_silent, smear_used};
 use crate::judge::verdict::Verdict;
 use crate::mission::clock::{microseconds, seconds};
 use crate::mission::device::FlyingDevice;
@@ -146,11 +146,10 @@ fn worst_of(verdict: &Verdict) -> Option<Quantified> {
         let stated = verdict.of_quantity(quantity)?;
         Some(of(quantity.name(), stated.ratio().abs() / SILENT_SIGMAS))
     };
-    let excess_px = (verdict.smear_px - verdict.predicted_px).max(0.0);
     [
         sigmas(Quantity::PrincipalPoint),
         sigmas(Quantity::Utc),
-        Some(of("smear", excess_px / SILENT_SMEAR_PX)),
+        Some(of("smear", smear_used(verdict))),
     ]
     .into_iter()
     .flatten()

@@ -39,10 +39,19 @@ pub fn is_silent(frame: &Verdict) -> bool {
 /// the track enters. That part has no allowance for chance. The rest, which the camera cannot
 /// compensate, is judged as principal point and time are, by what the record states.
 fn is_smear_silent(frame: &Verdict) -> bool {
-    let least_px = frame.predicted_px + SILENT_SMEAR_PX;
-    let is_beyond_chance = frame.smear_px > SILENT_SMEAR_TIMES * frame.predicted_px;
-    let is_not_compensated = frame.compensation_px.abs() > least_px;
-    frame.smear_px > least_px && (is_beyond_chance || is_not_compensated)
+    smear_used(frame) > 1.0
+}
+
+/// Returns the smear above the predicted one in parts of that beyond which a frame without a flag
+/// is silent; 0 for one below it.
+#[must_use]
+pub fn smear_used(frame: &Verdict) -> f64 {
+    let used = |px: f64, allowed_px: f64| (px - frame.predicted_px) / allowed_px;
+    let by_chance_px = (SILENT_SMEAR_TIMES - 1.0) * frame.predicted_px;
+    let of_smear = used(frame.smear_px, SILENT_SMEAR_PX.max(by_chance_px));
+    let not_compensated_px = frame.smear_px.min(frame.compensation_px.abs());
+    let of_compensation = used(not_compensated_px, SILENT_SMEAR_PX);
+    of_smear.max(of_compensation).max(0.0)
 }
 
 #[cfg(test)]

@@ -104,6 +104,8 @@ pub struct Flight<D> {
     line: SerialLine,
     operator: Operator,
     tracer: Tracer,
+    /// Triggers without those that a fault adds, µs of true time.
+    regular_us: Vec<u64>,
     next_trigger: usize,
     last_trigger_us: u64,
     limit_was_closed: bool,
@@ -138,9 +140,9 @@ impl<D: FlyingDevice> Flight<D> {
         for injection in mechanical(&injections) {
             mechanics.inject(injection);
         }
-        let regular: Vec<u64> = scenario.triggers_s().map(microseconds).collect();
+        let regular_us: Vec<u64> = scenario.triggers_s().map(microseconds).collect();
         let clock = CameraClock::of(&scenario.written.clock, options.seed);
-        let triggers_us: Vec<u64> = with_overlaps(&regular, &injections)
+        let triggers_us: Vec<u64> = with_overlaps(&regular_us, &injections)
             .into_iter()
             .map(|time_us| clock.stamp_us(time_us))
             .collect();
@@ -172,6 +174,7 @@ impl<D: FlyingDevice> Flight<D> {
             mechanics,
             tracer: Tracer::new(options.frame),
             last_trigger_us: triggers_us.last().copied().unwrap_or(0),
+            regular_us,
             next_trigger: 0,
             limit_was_closed: false,
             is_supply_low: false,

@@ -25,18 +25,16 @@ impl<D: FlyingDevice> Flight<D> {
         for fault in mechanical(&[injection]) {
             self.mechanics.inject(fault);
         }
-        if injection.fault == InjectedFault::TriggerOverlap {
-            let clock = &self.clock;
-            let regular = self.flown.triggers_us.iter();
-            let regular: Vec<u64> = regular.map(|time_us| clock.true_us(*time_us)).collect();
-            let all = with_overlaps(&regular, &[injection]).into_iter();
-            self.flown.triggers_us = all.map(|time_us| clock.stamp_us(time_us)).collect();
-        }
         self.line.inject(&injection);
         self.sensors.inject(injection);
         self.shutter.inject(injection);
         self.injections.push(injection);
         self.flown.felt_us.push(None);
+        if injection.fault == InjectedFault::TriggerOverlap {
+            let clock = &self.clock;
+            let all = with_overlaps(&self.regular_us, &self.injections).into_iter();
+            self.flown.triggers_us = all.map(|time_us| clock.stamp_us(time_us)).collect();
+        }
     }
 
     /// Leaves out the triggers after a time, µs on the camera's clock.
