@@ -15,7 +15,7 @@ const NAME: &str = "progress.txt";
 /// First line of the file.
 const TITLE: &str = "host-sim campaign";
 
-/// What the results depend on: names and values.
+/// Names and values on which the results depend.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Header(pub(super) Vec<(&'static str, String)>);
 
