@@ -21,12 +21,13 @@ pub struct CampaignArgs {
     /// Number of pairs of faults, 0 to 10000000.
     #[arg(long, value_name = "N", default_value = "100000", value_parser = clap::value_parser!(u32).range(0..=10_000_000))]
     pub pairs: u32,
-    /// A fault, as scenarios name it; may be repeated. Default: all of them.
+    /// A fault by its name in scenarios, such as counts-lost; a wrong name lists all of them. May
+    /// be repeated. Default: all of them.
     #[arg(long, value_name = "NAME", value_parser = fault)]
     pub fault: Vec<InjectedFault>,
-    /// Seed of the world, of the pairs and of what --quick selects, a whole number: the same seed
+    /// Seed of the world, of the pairs and of what --quick selects, 0 to 2147483647: the same seed
     /// gives the same files, on any number of cores.
-    #[arg(long, value_name = "N", default_value = "1", help_heading = ADVANCED)]
+    #[arg(long, value_name = "N", default_value = "1", value_parser = clap::value_parser!(u64).range(0..=2_147_483_647), help_heading = ADVANCED)]
     pub seed: u64,
 }
 

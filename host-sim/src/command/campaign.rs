@@ -163,7 +163,7 @@ fn write(
         files.write(CAMERA, |sink| sink.write_all(CAMERA_TEXT.as_bytes()))?;
     }
     for (finding, number) in results.findings.iter().zip(1..) {
-        let text = repeat::scenario_text(&finding.run, CAMERA);
+        let text = repeat::scenario_text(&finding.run, plan.request.seed, CAMERA);
         files.write(&scenario_name(number), |sink| {
             sink.write_all(text.as_bytes())
         })?;

@@ -1,14 +1,17 @@
 //! `campaign`: faults in every round of a frame cycle.
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 use std::process::Stdio;
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
+use fmc_simulation::judge::silence::SILENT_SIGMAS;
+
 use crate::command_line::support::{Answer, Bench};
 
-/// A campaign that is short enough for a test, and has findings of every kind of block.
+/// A campaign that is short enough for a test, and has blocks of runs with one fault and of pairs.
 const SHORT: [&str; 9] = [
     "campaign",
     "--quick",
@@ -98,6 +101,38 @@ fn outcomes_are_the_same_on_one_and_on_two_threads_and_after_a_kill() {
 }
 
 #[test]
+fn scenario_of_a_finding_repeats_its_frame_with_the_seed_of_the_campaign() {
+    let bench = Bench::new();
+    let campaign = "campaign --quick --pairs 0 --fault play-grows --seed 2 --out grown";
+    let found = bench.run(&campaign.split(' ').collect::<Vec<_>>());
+    assert_eq!(found.code, 1, "{}", found.stderr);
+    let finding = &summary(&bench, "grown")["findings"][0];
+    assert_eq!(finding["scenario"], "finding-01.toml");
+    assert_eq!(finding["quantity"], "principal point");
+    let mission = "mission --scenario grown/finding-01.toml --out again";
+    let repeated = bench.run(&mission.split(' ').collect::<Vec<_>>());
+    assert_eq!(repeated.code, 1, "{}", repeated.stderr);
+    assert_eq!(summary(&bench, "again")["seed"], 2);
+    let mut truth = csv::Reader::from_path(bench.path("again/truth.csv")).unwrap();
+    let frames: Vec<BTreeMap<String, String>> = truth.deserialize().map(Result::unwrap).collect();
+    let sigmas = |frame: &BTreeMap<String, String>| {
+        assert_eq!(frame["without_fault_or_flag"], "true");
+        let error = &frame["principal_point_error_per_sigma"];
+        error.parse::<f64>().unwrap().abs()
+    };
+    // The first frame that is silently wrong is that of the finding.
+    let first = frames
+        .iter()
+        .position(|frame| sigmas(frame) > SILENT_SIGMAS);
+    let wrong = &frames[first.unwrap()..];
+    assert_eq!(wrong[0]["sequence"], finding["frame"].to_string());
+    // The largest error is that of the finding as well, within the digits of the file.
+    let worst = wrong.iter().map(sigmas).fold(0.0, f64::max);
+    let found = finding["worst"].as_f64().unwrap() * SILENT_SIGMAS;
+    assert!((worst - found).abs() <= 6e-5, "{worst} for {found}");
+}
+
+#[test]
 fn other_options_in_the_same_folder_are_refused_by_name() {
     let bench = Bench::new();
     let arguments = |seed| {
@@ -168,6 +203,7 @@ fn wrong_arguments_are_refused_with_what_is_allowed() {
         ("--fault", "stal", "stall"),
         ("--pairs", "10000001", "10000000"),
         ("--seed", "x", "--seed"),
+        ("--seed", "2147483648", "2147483647"),
     ] {
         let answer = bench.run(&["campaign", option, value, "--out", "never"]);
         assert_eq!(answer.code, 2, "{}", answer.stderr);

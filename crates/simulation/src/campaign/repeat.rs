@@ -7,9 +7,10 @@ use super::run::{injections, last_trigger_us};
 use crate::mission::clock::{microseconds, seconds};
 use crate::mission::file::VhQuantity;
 
-/// Returns the scenario of a run, for `host-sim mission`; it names its camera file `camera`.
+/// Returns the scenario of a run of the campaign with a seed, for `host-sim mission`; it names its
+/// camera file `camera`.
 #[must_use]
-pub fn scenario_text(run: &Run, camera: &str) -> String {
+pub fn scenario_text(run: &Run, seed: u64, camera: &str) -> String {
     let injections = injections(run.tick, &run.faults);
     let last_s = seconds(last_trigger_us(&injections, &run.faults));
     let text = run.world.scenario_text();
@@ -20,6 +21,8 @@ pub fn scenario_text(run: &Run, camera: &str) -> String {
             writeln!(out, "exposures = {}", exposures(&text, last_s))
         } else if line.starts_with("camera = ") {
             writeln!(out, "camera = \"{camera}\"")
+        } else if line.starts_with("seed = ") {
+            writeln!(out, "seed = {seed}")
         } else {
             writeln!(out, "{line}")
         };

@@ -15,7 +15,7 @@ const NAME: &str = "progress.txt";
 /// First line of the file.
 const TITLE: &str = "host-sim campaign";
 
-/// What the results depend on: names and values.
+/// Names and values on which the results depend.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Header(pub(super) Vec<(&'static str, String)>);
 
@@ -70,10 +70,11 @@ impl Progress {
         let kept = if title.as_bytes().starts_with(&bytes) {
             // New, or ended before its header was complete.
             0
+        } else if let Some(blocks) = bytes.strip_prefix(title.as_bytes()) {
+            title.len() + read_blocks(utf8_start(blocks), &mut done)
         } else {
             let text = String::from_utf8_lossy(&bytes);
-            check(&text, header, &path)?;
-            title.len() + read_blocks(text.get(title.len()..).unwrap_or(""), &mut done)
+            return Err(difference(&text, header, &path));
         };
         let kept_bytes = u64::try_from(kept).unwrap_or(0);
         file.set_len(kept_bytes).map_err(|error| failed(&error))?;
@@ -123,18 +124,23 @@ fn name(block: Block) -> String {
     }
 }
 
-/// Writes a block: its name, its outcomes, and their check sum.
+/// Writes a block: its name, its outcomes, and the check sum of both.
 fn text(name: &str, outcomes: &[Outcome]) -> String {
-    let mut lines = String::new();
+    let mut lines = format!("{name}\n");
     for outcome in outcomes {
         lines.push_str(&outcome.to_string());
         lines.push('\n');
     }
-    format!("{name}\n{lines}end {:08x}\n", sum(&lines))
+    format!("{lines}end {:08x}\n", sum(&lines))
 }
 
 fn sum(lines: &str) -> u32 {
     crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(lines.as_bytes())
+}
+
+/// Returns the bytes before the first that is not UTF-8.
+fn utf8_start(bytes: &[u8]) -> &str {
+    bytes.utf8_chunks().next().map_or("", |chunk| chunk.valid())
 }
 
 /// Reads complete blocks. Returns the length of their text, after which nothing is to be trusted.
@@ -148,32 +154,26 @@ fn read_blocks(text: &str, done: &mut BTreeMap<String, Vec<Outcome>>) -> usize {
 }
 
 fn read_block(text: &str) -> Option<(String, Vec<Outcome>, usize)> {
-    let (name, rest) = text.split_once('\n')?;
-    let lines_end = match rest.strip_prefix("end ") {
-        Some(_) => 0,
-        None => rest.find("\nend ")? + 1,
-    };
-    let (lines, rest) = rest.split_at_checked(lines_end)?;
+    let (lines, rest) = text.split_at_checked(text.find("\nend ")? + 1)?;
     let (end, _) = rest.split_once('\n')?;
     if end.strip_prefix("end ")? != format!("{:08x}", sum(lines)) {
         return None;
     }
-    let outcomes = lines
+    let (name, outcomes) = lines.split_once('\n')?;
+    let outcomes = outcomes
         .lines()
         .map(Outcome::parse)
         .collect::<Option<Vec<_>>>()?;
-    let length = name.len() + 1 + lines.len() + end.len() + 1;
+    let length = lines.len() + end.len() + 1;
     Some((name.to_owned(), outcomes, length))
 }
 
-/// Refuses a file with another header, and names the first difference.
-fn check(text: &str, header: &Header, path: &Path) -> Result<(), Failure> {
+/// Returns the refusal of a file with another header, which names the first difference.
+fn difference(text: &str, header: &Header, path: &Path) -> Failure {
     let path = path.display();
     let mut lines = text.lines();
     if lines.next() != Some(TITLE) {
-        return Err(Failure::bad_input(format!(
-            "{path}: is not the progress of a campaign"
-        )));
+        return Failure::bad_input(format!("{path}: is not the progress of a campaign"));
     }
     for (key, value) in &header.0 {
         let found = lines
@@ -181,18 +181,15 @@ fn check(text: &str, header: &Header, path: &Path) -> Result<(), Failure> {
             .and_then(|line| line.strip_prefix(key)?.strip_prefix(" = "));
         if found != Some(value.as_str()) {
             let found = found.unwrap_or("missing");
-            return Err(Failure::bad_input(format!(
+            return Failure::bad_input(format!(
                 "{path}: {key} is {found} there and {value} here"
             ))
             .with_help(
                 "a campaign goes on with the program and the options that it was begun with; give another --out for a new one",
-            ));
+            );
         }
     }
-    if lines.next() != Some("") {
-        return Err(Failure::bad_input(format!("{path}: its header is damaged")));
-    }
-    Ok(())
+    Failure::bad_input(format!("{path}: its header is damaged"))
 }
 
 #[cfg(test)]
@@ -270,6 +267,25 @@ mod tests {
     }
 
     #[test]
+    fn header_with_other_line_ends_is_refused_and_the_file_is_kept() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut progress = Progress::open(folder.path(), &header("1")).unwrap();
+        progress.add(Block::Tick(0), vec![outcome(4)]).unwrap();
+        drop(progress);
+        let path = folder.path().join(NAME);
+        let text = std::fs::read_to_string(&path).unwrap();
+        let damaged = text.replace('\n', "\r\n");
+        std::fs::write(&path, &damaged).unwrap();
+        let refused = Progress::open(folder.path(), &header("1")).unwrap_err();
+        assert!(
+            refused.text().contains("its header is damaged"),
+            "{}",
+            refused.text()
+        );
+        assert_eq!(std::fs::read_to_string(&path).unwrap(), damaged);
+    }
+
+    #[test]
     fn damaged_block_ends_what_is_trusted() {
         let folder = tempfile::tempdir().unwrap();
         let mut progress = Progress::open(folder.path(), &header("1")).unwrap();
@@ -280,10 +296,21 @@ mod tests {
         let path = folder.path().join(NAME);
         let text = std::fs::read_to_string(&path).unwrap();
         let (before, after) = text.split_once("tick 1\n").unwrap();
-        let damaged = format!("{before}tick 1\n{}", after.replacen("stall", "scale", 1));
-        std::fs::write(&path, damaged).unwrap();
-        let progress = Progress::open(folder.path(), &header("1")).unwrap();
-        assert_eq!(progress.done.len(), 1);
-        assert!(progress.has(Block::Tick(0), 1) && !progress.has(Block::Tick(0), 2));
+        let changed = after.replacen("stall", "scale", 1);
+        let damages: [(&[u8], &str); 4] = [
+            (b"tick 1\n", &changed),
+            (b"tick 7\n", after),
+            (b"tick \xff\n", after),
+            (b"tick 1\xff\n", after),
+        ];
+        for (name, after) in damages {
+            let damaged = [before.as_bytes(), name, after.as_bytes()].concat();
+            std::fs::write(&path, damaged).unwrap();
+            let progress = Progress::open(folder.path(), &header("1")).unwrap();
+            assert_eq!(progress.done.len(), 1);
+            assert!(progress.has(Block::Tick(0), 1) && !progress.has(Block::Tick(0), 2));
+            drop(progress);
+            assert_eq!(std::fs::read_to_string(&path).unwrap(), before);
+        }
     }
 }
