@@ -31,12 +31,12 @@ const ALSO_INPUT: [(&str, &[&str]); 2] = [
     ),
 ];
 
-/// What is done with the targets.
+/// Options of a run.
 #[derive(Debug)]
 pub(crate) struct Fuzzing {
     /// Time for each target, s.
     pub(crate) seconds: u32,
-    /// Whether new input goes into the corpus.
+    /// True if new input goes into the corpus.
     pub(crate) keep: bool,
 }
 

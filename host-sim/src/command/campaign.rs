@@ -11,7 +11,7 @@ use fmc_simulation::campaign::plan::{Block, Plan, Request};
 use fmc_simulation::campaign::repeat;
 use fmc_simulation::campaign::results::Results;
 use fmc_simulation::campaign::run;
-use fmc_simulation::campaign::world::{CAMERA_TEXT, FlyingStart, World};
+use fmc_simulation::campaign::world::{CAMERA_TEXT, OriginalFlight, World};
 use fmc_simulation::mission::fault::InjectedFault;
 use fmc_simulation::mission::rig_camera::RigCamera;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -93,7 +93,7 @@ fn flown(plan: &Plan, progress: Progress) -> Result<Vec<Vec<Outcome>>, Failure> 
     let starts = World::ALL
         .into_par_iter()
         .map(|world| {
-            FlyingStart::fly(world, plan.request.seed, RigCamera::default())
+            OriginalFlight::fly(world, plan.request.seed, RigCamera::default())
                 .map_err(|error| Failure::device_or_io(error.to_string()))
         })
         .collect::<Result<Vec<_>, Failure>>()?;
@@ -124,7 +124,7 @@ fn flown(plan: &Plan, progress: Progress) -> Result<Vec<Vec<Outcome>>, Failure> 
 fn block_flown(
     plan: &Plan,
     block: Block,
-    starts: &[FlyingStart<RigCamera>],
+    starts: &[OriginalFlight<RigCamera>],
 ) -> Result<Vec<Outcome>, Failure> {
     let mut outcomes = Vec::new();
     for one in plan.runs(block) {

@@ -224,8 +224,9 @@ impl Walk<'_> {
                 u32::from(byte)
             };
             let address = table + 2 * distance;
-            // A table is filled up to what follows it.
-            if address == table && end - entry < 4 {
+            // A table is filled up to what follows it: by zeros, or up to constants by a NOP.
+            let is_nop = end - entry == 2 && self.code.halfword(entry) == Some(NOP);
+            if (address == table && end - entry < 4) || is_nop {
                 break;
             }
             self.go(Step {

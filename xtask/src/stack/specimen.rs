@@ -100,6 +100,12 @@ fn every_target_of_a_table_is_followed() {
         let code = Code::of_functions(START, 32, &[&code]).with_data(0x104..0x106);
         assert_eq!(bound_of(&code, &PointerCalls::NONE), Ok(16));
     }
+    // ldr r0, [pc, #8]; tbh [pc, r0, lsl #1] with two entries, a NOP, the constant, and the target.
+    let code = [
+        0x4802, 0xe8df, 0xf010, 5, 5, 0xbf00, 0, 0, 0xb082, 0xb002, 0x4770,
+    ];
+    let code = Code::of_functions(START, 32, &[&code]).with_data(0x106..0x110);
+    assert_eq!(bound_of(&code, &PointerCalls::NONE), Ok(8));
     // ldr r0, [pc, #4]; nop; tbb [pc, r0], and where the table would be, the constant
     let code = [0x4801, 0xbf00, 0xe8df, 0xf000, 0, 0];
     let code = Code::of_functions(START, 32, &[&code]).with_data(0x108..0x10c);

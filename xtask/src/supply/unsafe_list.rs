@@ -26,7 +26,7 @@ const FOLDERS: [&str; 9] = [
 #[serde(deny_unknown_fields)]
 struct Row {
     file: String,
-    /// How often the file has the word.
+    /// Number of times that the file has the word.
     count: usize,
     reason: String,
     /// Name of a test, or `step` and a step of `cargo xtask test`, that runs the code.
@@ -57,7 +57,7 @@ fn rows(list: &Path) -> Result<Vec<Row>> {
 /// Sources of the project.
 #[derive(Debug, Default)]
 struct Sources {
-    /// How often each file has `unsafe`, files without it left out.
+    /// Number of times that each file has `unsafe`; files without it are left out.
     counts: BTreeMap<String, usize>,
     /// Texts of all files, in which tests are found.
     texts: Vec<String>,

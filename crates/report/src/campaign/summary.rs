@@ -13,7 +13,7 @@ const LEAST_ARRIVED: f64 = 0.95;
 /// The numbers of a campaign. Keys are only ever added.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Summary {
-    /// What was asked for.
+    /// The request.
     pub request: Request,
     /// `true` if no limit is exceeded.
     pub passed: bool,
@@ -39,12 +39,12 @@ pub struct Summary {
     /// Results of every fault.
     pub rows: Vec<Row>,
     /// Findings, with the scenarios that repeat them.
-    pub findings: Vec<FindingSummary>,
+    pub findings: Vec<WrongRunSummary>,
 }
 
 /// A run in which something is wrong.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct FindingSummary {
+pub struct WrongRunSummary {
     /// The fault or the faults, with size and duration.
     pub what: String,
     /// Number of exposures that are wrong and say nothing of it.
@@ -81,7 +81,7 @@ impl Summary {
             checks: Vec::new(),
             rows: results.rows.clone(),
             findings: findings
-                .map(|(finding, number)| FindingSummary {
+                .map(|(finding, number)| WrongRunSummary {
                     what: finding.run.description(),
                     silent_bad_exposures: finding.outcome.silent_bad(),
                     frame: finding.outcome.first_silent,

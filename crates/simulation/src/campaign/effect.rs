@@ -45,7 +45,7 @@ impl fmt::Display for Effect {
     }
 }
 
-/// What the flight without faults recorded, by the time of the trigger.
+/// Records of the flight without faults, by the time of the trigger.
 #[derive(Debug)]
 pub struct Baseline {
     frames: BTreeMap<u64, (FlownFrame, Option<Verdict>)>,

@@ -15,7 +15,7 @@ const PAIRS_IN_A_BLOCK: u32 = 500;
 /// Part of the runs that a quick campaign flies: one of so many.
 const QUICK: u64 = 20;
 
-/// What is asked for.
+/// A request.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub struct Request {
     /// Seed of the world, of the pairs and of the choice of a quick campaign.
@@ -75,7 +75,7 @@ impl Run {
 /// Runs of a campaign.
 #[derive(Debug, Clone)]
 pub struct Plan {
-    /// What was asked for.
+    /// The request.
     pub request: Request,
     /// Cases, fault by fault.
     pub cases: Vec<Case>,

@@ -42,7 +42,7 @@ pub struct Row {
 
 /// A run in which something is wrong.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Finding {
+pub struct WrongRun {
     /// Name of its row.
     pub row: String,
     /// The run.
@@ -61,7 +61,7 @@ pub struct Results {
     /// Rows: faults in the order of the cases, then the pairs.
     pub rows: Vec<Row>,
     /// Runs in which something is wrong, of each row the first.
-    pub findings: Vec<Finding>,
+    pub findings: Vec<WrongRun>,
     /// CRC-64 of all outcomes, in order.
     pub digest: u64,
 }
@@ -133,7 +133,7 @@ impl Results {
         let is_wrong = outcome.silent_bad() > 0 || outcome.unanswered > 0;
         let of_row = self.findings.iter().filter(|finding| finding.row == name);
         if is_wrong && of_row.count() < MOST_REPEATED {
-            self.findings.push(Finding {
+            self.findings.push(WrongRun {
                 row: name,
                 run,
                 outcome: outcome.clone(),

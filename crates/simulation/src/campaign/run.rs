@@ -5,7 +5,7 @@ use fmc_camera::flight::frame_record::{Flag, Outcome as Recorded};
 use super::case::Case;
 use super::effect::Effect;
 use super::outcome::{Outcome, Quantified};
-use super::world::{FlyingStart, INTERVAL_MS, next_us};
+use super::world::{INTERVAL_MS, OriginalFlight, next_us};
 use crate::judge::answers::Answers;
 use crate::judge::quantity::Quantity;
 use crate::judge::silence::{SILENT_SIGMAS, is_silent, smear_used};
@@ -52,7 +52,7 @@ pub fn last_trigger_us(injections: &[Injection], faults: &[Delayed]) -> u64 {
 /// # Errors
 /// An error if the camera fails.
 pub fn fly<D: FlyingDevice + Clone>(
-    start: &FlyingStart<D>,
+    start: &OriginalFlight<D>,
     tick: u32,
     faults: &[Delayed],
 ) -> Result<Option<Outcome>, D::Error> {
@@ -81,7 +81,7 @@ pub fn fly<D: FlyingDevice + Clone>(
 }
 
 fn judged<D>(
-    start: &FlyingStart<D>,
+    start: &OriginalFlight<D>,
     flown: &Flown,
     onset_us: u64,
     arrived_us: Option<u64>,
@@ -213,7 +213,7 @@ mod tests {
     #[test]
     fn copy_in_flight_flies_as_the_scenario_that_repeats_it_does_from_the_start() {
         let starts =
-            World::ALL.map(|world| FlyingStart::fly(world, SEED, RigCamera::default()).unwrap());
+            World::ALL.map(|world| OriginalFlight::fly(world, SEED, RigCamera::default()).unwrap());
         let cases = Case::all();
         for (fault, tick) in InjectedFault::ALL.into_iter().zip((0..).step_by(10)) {
             let mut mine = cases.iter().filter(|case| case.fault == fault);
@@ -244,7 +244,7 @@ mod tests {
 
     #[test]
     fn run_without_a_fault_changes_nothing_and_a_jam_is_named() {
-        let start = FlyingStart::fly(World::OneSource, 1, RigCamera::default()).unwrap();
+        let start = OriginalFlight::fly(World::OneSource, 1, RigCamera::default()).unwrap();
         let nothing = Case {
             duration_s: 1e-6,
             ..*Case::all().first().unwrap()

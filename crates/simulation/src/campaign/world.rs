@@ -76,12 +76,12 @@ pub fn next_us(tick: u32) -> u64 {
 
 /// A flight without faults, with its copies in every round of the cycle.
 #[derive(Debug)]
-pub struct FlyingStart<D> {
+pub struct OriginalFlight<D> {
     /// The scenario.
     pub scenario: MissionScenario,
     /// Copies of the flight, one per round.
     flights: Vec<Flight<D>>,
-    /// What the camera was told in each round from the first copy on.
+    /// Readings and events of each round from the first copy on.
     told: Vec<Told>,
     /// Records of the whole flight.
     pub baseline: Baseline,
@@ -89,7 +89,7 @@ pub struct FlyingStart<D> {
 
 /// A reason why a campaign cannot begin.
 #[derive(Debug, thiserror::Error)]
-pub enum StartError<E> {
+pub enum OriginalError<E> {
     /// The scenario is invalid.
     #[error(transparent)]
     Scenario(#[from] InputError),
@@ -107,18 +107,18 @@ pub enum StartError<E> {
     Device(E),
 }
 
-impl<D: FlyingDevice + Clone> FlyingStart<D> {
+impl<D: FlyingDevice + Clone> OriginalFlight<D> {
     /// Flies to the cycle and through it, with a camera that is prepared here.
     ///
     /// # Errors
-    /// [`StartError`] if scenario, mechanics or camera fail.
-    pub fn fly(world: World, seed: u64, mut device: D) -> Result<Self, StartError<D::Error>> {
+    /// [`OriginalError`] if scenario, mechanics or camera fail.
+    pub fn fly(world: World, seed: u64, mut device: D) -> Result<Self, OriginalError<D::Error>> {
         let scenario = world.scenario()?;
-        let mechanics =
-            Mechanics::seeded(scenario.written.mechanics, seed).map_err(StartError::Mechanics)?;
+        let mechanics = Mechanics::seeded(scenario.written.mechanics, seed)
+            .map_err(OriginalError::Mechanics)?;
         device
             .prepare(&scenario.camera.parameters(), &scenario.flight_settings())
-            .map_err(StartError::Device)?;
+            .map_err(OriginalError::Device)?;
         let options = FlightOptions {
             seed,
             frame: Some(0),
@@ -127,27 +127,27 @@ impl<D: FlyingDevice + Clone> FlyingStart<D> {
         let mut flights = Vec::new();
         let mut told = Vec::new();
         while flight.now_us() < FIRST_US {
-            flight.advance().map_err(StartError::Device)?;
+            flight.advance().map_err(OriginalError::Device)?;
         }
         let end_us = FIRST_US + u64::from(TICKS) * ROUND_US + AFTER_US;
         while flight.now_us() < end_us {
             if flights.len() < usize::try_from(TICKS).unwrap_or(0) {
                 flights.push(flight.clone());
             }
-            flight.advance().map_err(StartError::Device)?;
+            flight.advance().map_err(OriginalError::Device)?;
             told.push(flight.told().clone());
         }
         flight.end_triggers(end_us);
         let flown = flight
             .to_end([150_000, 1_500_000], |_, _| {})
-            .map_err(StartError::Device)?;
+            .map_err(OriginalError::Device)?;
         let baseline = Baseline::of(&scenario, &flown);
         let mut triggers_us = flown
             .triggers_us
             .iter()
             .filter(|time_us| **time_us >= FIRST_US);
         if let Some(time_us) = triggers_us.find(|time_us| !baseline.is_plain(**time_us)) {
-            return Err(StartError::Flagged { time_us: *time_us });
+            return Err(OriginalError::Flagged { time_us: *time_us });
         }
         Ok(Self {
             scenario,

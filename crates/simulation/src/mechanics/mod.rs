@@ -261,7 +261,7 @@ impl Mechanics {
         });
         let percent: f64 = percents.sum();
         if percent == 0.0 {
-            // What was counted too much stays.
+            // Counts that are too many stay.
             self.ahead_since = self.ahead_now;
             self.scale_pivot = None;
         } else {

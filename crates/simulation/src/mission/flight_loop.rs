@@ -88,7 +88,7 @@ pub struct Flight<D> {
     device: D,
     /// Time of the last round, µs on the camera's clock.
     now_us: u64,
-    /// What the camera was told in the last round.
+    /// Readings and events of the last round.
     told: Told,
     injections: Vec<Injection>,
     wiring: Wiring,
@@ -119,7 +119,7 @@ pub struct Flight<D> {
     flown: Flown,
 }
 
-/// What the camera is told in a round.
+/// Readings and events that the camera is told in a round.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Told {
     /// Readings and events.

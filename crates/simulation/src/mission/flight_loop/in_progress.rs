@@ -14,7 +14,7 @@ impl<D: FlyingDevice> Flight<D> {
         self.now_us
     }
 
-    /// What the camera was told in the last round.
+    /// Readings and events of the last round.
     #[must_use]
     pub const fn told(&self) -> &Told {
         &self.told
