@@ -138,8 +138,8 @@ impl<Drive: FlownDrive> FlownDeck<Drive> {
         };
     }
 
-    /// Returns `false` if the supply was low in the last round, or is by the events of a camera that
-    /// is prepared.
+    /// Returns `false` if the supply was low in the last round, or is by the events of a prepared
+    /// camera.
     #[must_use]
     pub fn is_supply_good(&self) -> bool {
         let is_told_good = self.controller().is_none_or(Controller::is_supply_good);

@@ -53,12 +53,12 @@ const SUSPECT_SIGMA: f32 = 3.0;
 /// that e, d and c are the changes that an even acceleration does not explain: of a stage that
 /// accelerates evenly the speed at the mark is known. To that is added [`OFF_PART`] of the
 /// difference of that crossing from the reference and of the reference from the settings, both, or
-/// the larger of a crossing that becomes the reference: uneven motion, or counts that were lost. The
-/// part that the steps make and [`EVEN_SIGMA`] times the error of the age, with the difference of the
-/// speeds, are no such difference: that error is in σ of every record. Without a crossing, as on a camera without a mark, each of the n records
-/// since the last may have lost a step that the stage's watch lets pass, up to L either way and
-/// independent of the others: `σ² = n·L²/3`. The difference of a crossing that did not agree is
-/// added to that.
+/// the larger of a crossing that becomes the reference: uneven motion, or counts that were lost.
+/// The part that the steps make and [`EVEN_SIGMA`] times the error of the age, with the difference
+/// of the speeds, are no such difference: that error is in σ of every record. Without a crossing,
+/// as on a camera without a mark, each of the n records since the last may have lost a step that
+/// the stage's watch lets pass, up to L either way and independent of the others: `σ² = n·L²/3`.
+/// The difference of a crossing that did not agree is added to that.
 ///
 /// Counts that are lost after a crossing and before the exposure are seen at the next: a difference
 /// beyond [`SUSPECT_SIGMA`] of what the σ of the records in between holds leaves these in doubt,

@@ -328,8 +328,7 @@ impl VhMonitor {
         if let Some(way) = survey.way {
             self.unconfirmed = way.held.is_in_doubt;
             if !self.unconfirmed {
-                let speed_m_s = survey.speed_m_s();
-                self.spread.take(now, way.held.value, speed_m_s);
+                self.spread.take(now, way.held.value);
             }
         }
         survey.against()

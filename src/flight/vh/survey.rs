@@ -16,12 +16,6 @@ pub(super) struct Survey {
 }
 
 impl Survey {
-    /// Returns the speed in use, m/s; `None` if it is in doubt.
-    pub(super) fn speed_m_s(&self) -> Option<f32> {
-        let speed = self.speed.filter(|choice| !choice.held.is_in_doubt);
-        speed.map(|choice| choice.held.value)
-    }
-
     /// Returns the quantity or V/H in use and another that contradicts it.
     pub(super) fn against(&self) -> Option<[f32; 2]> {
         [self.speed, self.height, self.way]

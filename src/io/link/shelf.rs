@@ -48,8 +48,8 @@ impl Shelf {
             return Err(Refusal::NoCalibration);
         }
         deck::check_over(deck)?;
-        // Low supply is a fault, too, but a camera may be cleared of it while it is low, and one that
-        // is not prepared has no state.
+        // Low supply is a fault, too, but a camera may be cleared of it while it is low, and one
+        // that is not prepared has no state.
         if !deck.is_supply_good() {
             return Err(Refusal::SupplyLow);
         }
