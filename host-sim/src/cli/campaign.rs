@@ -19,7 +19,7 @@ pub struct CampaignArgs {
     #[arg(long)]
     pub quick: bool,
     /// Number of pairs of faults, 0 to 10000000.
-    #[arg(long, value_name = "N", default_value = "100000", value_parser = clap::value_parser!(u32).range(0..=10_000_000))]
+    #[arg(long, value_name = "N", default_value = "100000", value_parser = clap::value_parser!(u32).range(0..=10_000_000), help_heading = ADVANCED)]
     pub pairs: u32,
     /// A fault by its name in scenarios, such as counts-lost; a wrong name lists all of them. May
     /// be repeated. Default: all of them.

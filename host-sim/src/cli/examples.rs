@@ -232,9 +232,9 @@ Examples:
 pub(super) const CAMERA_STORE: &str = "\
 Examples:
   host-sim camera --device serial:/dev/ttyACM0 store --camera my.toml \\
-      --lens \"HR 50 No. 1187\" --laboratory \"Test range\" --date 2026-05-17
+      --lens HR-50-1187 --laboratory Test-range --date 2026-05-17
   host-sim camera --device qemu --flash flash.bin store --camera my.toml \\
-      --laboratory \"Test range\" --date 2026-05-17";
+      --laboratory Test-range --date 2026-05-17";
 
 pub(super) const CAMERA_STORED: &str = "\
 Examples:

@@ -61,11 +61,7 @@ pub(super) fn is_shown(format: &str) -> bool {
         Fragment::Literal(_) => true,
         Fragment::Parameter(Parameter { ty, .. }) => !matches!(
             ty,
-            Type::BitField(_)
-                | Type::FormatSequence
-                | Type::FormatSlice
-                | Type::U8Array(_)
-                | Type::U8Slice
+            Type::BitField(_) | Type::FormatSlice | Type::U8Array(_) | Type::U8Slice
         ),
     })
 }
@@ -175,11 +171,22 @@ impl<'a> Reader<'a> {
                 }
                 Argument::Value(format!("[{}]", elements.join(", ")))
             }
-            Type::BitField(_)
-            | Type::FormatSequence
-            | Type::FormatSlice
-            | Type::U8Array(_)
-            | Type::U8Slice => return None,
+            // Formats one after the other, each with its arguments, and a zero.
+            Type::FormatSequence => {
+                let mut text = String::new();
+                loop {
+                    let index = u16::from_le_bytes(self.take()?);
+                    if index == 0 {
+                        break;
+                    }
+                    let entry = self.table.get(index)?;
+                    text += &self.text(&entry.text)?;
+                }
+                Argument::Value(text)
+            }
+            Type::BitField(_) | Type::FormatSlice | Type::U8Array(_) | Type::U8Slice => {
+                return None;
+            }
         })
     }
 }
@@ -273,6 +280,9 @@ mod tests {
             (8, "defmt_prim", "{=[?;2]}"),
             (9, "defmt_prim", "{=f32}"),
             (10, "defmt_prim", "{=[?;65536]}"),
+            (12, "defmt_prim", "{=__internal_FormatSequence}"),
+            (13, "defmt_write", "serial {=str}"),
+            (14, "defmt_write", ", {=u8}"),
         ]);
         let line = |argument: &[u8]| decode(&table, &rzcobs::encode(&[&[1, 0], argument].concat()));
         assert_eq!(line(&[2, 0, 0]).unwrap(), "WARN refused: Lost");
@@ -288,6 +298,8 @@ mod tests {
         assert_eq!(line(&[6, 0, 9]).unwrap(), "WARN refused: 9");
         let numbers = [8, 0, 9, 0, 0, 0, 192, 63, 0, 0, 0, 64];
         assert_eq!(line(&numbers).unwrap(), "WARN refused: [1.5, 2.0]");
+        let sequence = [12, 0, 13, 0, 2, 0, 0, 0, b'A', b'7', 14, 0, 9, 0, 0];
+        assert_eq!(line(&sequence).unwrap(), "WARN refused: serial A7, 9");
         let variants = [8, 0, 4, 0, 1, 0];
         assert_eq!(line(&variants).unwrap(), "WARN refused: [Gain, MaxDuty]");
         // An unknown variant, an unknown format, a string that is not the format of a value, no
@@ -295,6 +307,7 @@ mod tests {
         let cut = &numbers[..4];
         for wrong in [
             &[2, 0, 3][..],
+            &sequence[..13],
             &[11, 0],
             &[7, 0, 1],
             &[],
