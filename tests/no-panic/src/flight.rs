@@ -160,6 +160,7 @@ pub(crate) fn keep() {
         Deck::capture,
         Deck::count_lost,
         Deck::see,
+        Deck::is_supply_good,
         Deck::round,
         Deck::drive,
         Deck::drive_mut,
