@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Subcommand};
 
 use super::number::{between, exposure_time};
-use super::{DeviceArgs, DirectionName, VhArgument, examples};
+use super::{ADVANCED, DeviceArgs, DirectionName, VhArgument, examples};
 
 /// Arguments of `camera`.
 #[derive(Debug, Args)]
@@ -106,7 +106,7 @@ pub struct StoreArgs {
     #[arg(long, value_name = "FILE")]
     pub camera: Option<PathBuf>,
     /// Lens, as its certificate names it.
-    #[arg(long, value_name = "TEXT", default_value = "")]
+    #[arg(long, value_name = "TEXT", default_value = "", help_heading = ADVANCED)]
     pub lens: String,
     /// Laboratory that has calibrated the camera.
     #[arg(long, value_name = "TEXT")]
