@@ -302,8 +302,9 @@ mod tests {
         assert_eq!(line(&sequence).unwrap(), "WARN refused: serial A7, 9");
         let variants = [8, 0, 4, 0, 1, 0];
         assert_eq!(line(&variants).unwrap(), "WARN refused: [Gain, MaxDuty]");
-        // An unknown variant, an unknown part of a sequence, an unknown format, a string that is not the format of a value, no
-        // argument at all, an array that is cut short, and one that is too long.
+        // An unknown variant, an unknown part of a sequence, an unknown format, a string that is
+        // not the format of a value, no argument at all, an array that is cut short, and one that
+        // is too long.
         let cut = &numbers[..4];
         for wrong in [
             &[2, 0, 3][..],
