@@ -20,7 +20,7 @@ const SECOND_SOURCE: &str =
 
 /// Trigger at which the frame cycle of the campaign begins, µs.
 const FIRST_US: u64 = 4_360_000;
-/// Rounds of the cycle, after which frames and samples come round together: the least common
+/// Rounds after which frames and samples come round together: the least common
 /// multiple of 120 and 45 ms.
 pub const TICKS: u32 = 360;
 /// Time between triggers, ms.
