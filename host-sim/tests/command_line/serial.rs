@@ -178,15 +178,16 @@ fn flood_of_garbage_is_no_camera() {
 
 #[test]
 fn camera_of_another_protocol_is_named_with_both_versions() {
+    const OTHER: u8 = PROTOCOL_VERSION + 1;
     let port = Port::with(|mut far| {
         let mut byte = [0];
         loop {
             if far.read(&mut byte).is_ok_and(|count| count == 1) && byte == [0] {
-                let _ = far.write_all(&frame_of(&[7, 1, 2, 3]));
+                let _ = far.write_all(&frame_of(&[OTHER, 1, 2, 3]));
             }
         }
     });
-    let versions = format!("version 7 of the protocol, this program version {PROTOCOL_VERSION}");
+    let versions = format!("version {OTHER} of the protocol, this program version {PROTOCOL_VERSION}");
     port.correct(&Bench::new())
         .failed(3, &[&versions, "cargo xtask firmware"]);
 }
