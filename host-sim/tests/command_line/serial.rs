@@ -187,7 +187,8 @@ fn camera_of_another_protocol_is_named_with_both_versions() {
             }
         }
     });
-    let versions = format!("version {OTHER} of the protocol, this program version {PROTOCOL_VERSION}");
+    let versions =
+        format!("version {OTHER} of the protocol, this program version {PROTOCOL_VERSION}");
     port.correct(&Bench::new())
         .failed(3, &[&versions, "cargo xtask firmware"]);
 }
