@@ -101,13 +101,14 @@ impl StageMachine {
     /// does not agree with the crossing before.
     fn cross_index(&mut self, setup: &Setup) -> Option<InDoubt> {
         let (reading_mm, next_sequence) = self.latched_index.take()?;
-        let speed = self.track().speed_at(reading_mm)?;
-        if speed.speed_mm_s <= 0.0 {
+        let (speed_mm_s, change_mm_s) = self.track().speed_at(reading_mm)?;
+        if speed_mm_s <= 0.0 {
             return None;
         }
         let crossing = Crossing {
             reading_mm,
-            speed,
+            speed_mm_s,
+            change_mm_s,
             next_sequence,
         };
         self.index.cross(&crossing, &setup.settings.drive)

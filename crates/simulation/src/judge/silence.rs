@@ -15,7 +15,7 @@ pub const SILENT_SMEAR_PX: f64 = 0.3;
 pub const SILENT_SMEAR_TIMES: f64 = 2.19;
 
 /// Returns true if a frame without fault and flag has its principal point or its time off by more
-/// than [`SILENT_SIGMAS`], or smear that no chance explains ([`is_smear_silent`]).
+/// than [`SILENT_SIGMAS`], or smear that no chance explains ([`smear_used`]).
 #[must_use]
 pub fn is_silent(frame: &Verdict) -> bool {
     let is_wrong = [Quantity::PrincipalPoint, Quantity::Utc]
