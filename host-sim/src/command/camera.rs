@@ -21,6 +21,7 @@ use super::camera_store;
 use crate::cli::{CameraAction, CameraArgs, DirectionName, PrepareArgs, StatusArgs, VhArgs};
 use crate::device::DeviceError;
 use crate::device::link_error::LinkError;
+use crate::device::remote::Session;
 use crate::failure::{Failure, note};
 use crate::formats::output;
 
@@ -41,7 +42,7 @@ pub(super) fn run(args: &CameraArgs) -> Result<(), Failure> {
     match &args.action {
         CameraAction::Prepare(prepare) => {
             let (camera, grids, settings) = read(prepare)?;
-            let mut device = args.device.open_flown()?;
+            let mut device = args.device.open_flown(Session::Whole)?;
             device
                 .load_grids(&grids)
                 .and_then(|()| device.prepare(&camera, &settings))
@@ -75,7 +76,7 @@ pub(super) fn run(args: &CameraArgs) -> Result<(), Failure> {
         CameraAction::Store(store) => camera_store::store(args, store),
         CameraAction::Stored(StatusArgs { json }) => camera_store::stored(args, *json),
         CameraAction::Status(StatusArgs { json }) => {
-            let mut device = args.device.open_watched()?;
+            let mut device = args.device.open_flown(Session::Reading)?;
             let status = device.status().map_err(failed)?;
             let instruments = device.instruments().map_err(failed)?;
             output::write(None, |sink| {
@@ -122,7 +123,7 @@ fn read(args: &PrepareArgs) -> Result<(CameraParameters, GridFiles, FlightSettin
 }
 
 fn tell(args: &CameraArgs, event: Event) -> Result<(), Failure> {
-    let mut device = args.device.open_flown()?;
+    let mut device = args.device.open_flown(Session::Whole)?;
     device.tell(event).map_err(failed)?;
     say(&device.status().map_err(failed)?)
 }
@@ -133,7 +134,7 @@ fn obey(
     command: Command,
     is_done: impl Fn(&Status) -> bool,
 ) -> Result<(), Failure> {
-    let mut device = args.device.open_flown()?;
+    let mut device = args.device.open_flown(Session::Whole)?;
     device.tell(Event::Command(command)).map_err(failed)?;
     let start = Instant::now();
     let mut is_said = false;
@@ -199,7 +200,7 @@ fn tell_vh(args: &CameraArgs, vh: &VhArgs) -> Result<(), Failure> {
             "vh = {vh_per_s} is outside {least} to {most} 1/s"
         )));
     }
-    let mut device = args.device.open_flown()?;
+    let mut device = args.device.open_flown(Session::Whole)?;
     let end = Instant::now() + Duration::from_secs_f64(vh.for_s);
     loop {
         device

@@ -8,6 +8,7 @@ use fmc_report::stored_calibration;
 use crate::cli::{CameraArgs, StoreArgs};
 use crate::device::DeviceError;
 use crate::device::link_error::LinkError;
+use crate::device::remote::Session;
 use crate::failure::Failure;
 use crate::formats::output;
 
@@ -24,7 +25,8 @@ pub(super) fn store(args: &CameraArgs, of: &StoreArgs) -> Result<(), Failure> {
         }
         None => None,
     };
-    let mut device = args.device.open_keeping()?;
+    args.device.check_kept()?;
+    let mut device = args.device.open_keeping(Session::Whole)?;
     if let Some((parameters, grids)) = &camera {
         device.put_into_use(parameters, grids).map_err(failed)?;
     }
@@ -34,7 +36,7 @@ pub(super) fn store(args: &CameraArgs, of: &StoreArgs) -> Result<(), Failure> {
 
 /// Says what is stored.
 pub(super) fn stored(args: &CameraArgs, as_json: bool) -> Result<(), Failure> {
-    let mut device = args.device.open_stored()?;
+    let mut device = args.device.open_keeping(Session::Reading)?;
     say(&device.stored().map_err(failed)?, as_json)
 }
 

@@ -40,7 +40,8 @@ pub(super) fn run(args: &CampaignArgs) -> Result<(), Failure> {
     let folder = OutputFolder::create(&args.out)?;
     let progress = Progress::open(folder.path(), &header(&plan, &faults)?)?;
     let outcomes = flown(&plan, progress)?;
-    let results = Results::of(&plan, &outcomes);
+    let results =
+        Results::of(&plan, &outcomes).map_err(|error| Failure::device_or_io(error.to_string()))?;
     let summary = Summary::of(request, &results);
     write(&folder, &plan, &outcomes, &results, &summary)?;
     output::write(None, |sink| sink.write_all(text::text(&summary).as_bytes()))?;

@@ -5,6 +5,7 @@ use std::thread;
 
 use crate::cli::DeviceArgs;
 use crate::device::qemu::QemuOptions;
+use crate::device::remote::Session;
 use crate::device::{
     Device, DeviceError, DeviceName, FlownCamera, FlyingDevice, InProcess, KeepingCamera,
     OpenError, Opener, RecordSource,
@@ -91,44 +92,30 @@ impl DeviceArgs {
         matches!(self.device, None | Some(DeviceName::Sil))
     }
 
-    /// Opens a device that may hold records of a flight.
+    /// Opens a device that may hold records of a flight, beside a program that flies it.
     ///
     /// # Errors
     /// [`Failure`] where none is named, and where it cannot be opened.
     pub(super) fn open_records(&self) -> Result<Box<dyn RecordSource>, Failure> {
-        self.open_one(RECORDS, Opener::open_records)
+        let open = |opener: &Opener, name: &_| opener.open_linked(name, Session::Reading);
+        Ok(self.open_one(RECORDS, open)?)
     }
 
     /// Opens a camera on a board.
     ///
     /// # Errors
-    /// [`Failure`] where none is named, and where it cannot be opened.
-    pub(super) fn open_flown(&self) -> Result<Box<dyn FlownCamera>, Failure> {
-        self.open_one(FLOWN, Opener::open_flown)
+    /// As [`Self::open_records`].
+    pub(super) fn open_flown(&self, session: Session) -> Result<Box<dyn FlownCamera>, Failure> {
+        self.open_one(FLOWN, |opener, name| opener.open_flown(name, session))
     }
 
-    /// Opens a camera on a board for its status, beside a program that flies it.
+    /// Opens a camera that may store its calibration, or be asked what it has stored.
     ///
     /// # Errors
-    /// As [`Self::open_flown`].
-    pub(super) fn open_watched(&self) -> Result<Box<dyn FlownCamera>, Failure> {
-        self.open_one(FLOWN, Opener::open_watched)
-    }
-
-    /// Opens a camera that may store its calibration.
-    ///
-    /// # Errors
-    /// As [`Self::open_flown`].
-    pub(super) fn open_keeping(&self) -> Result<Box<dyn KeepingCamera>, Failure> {
-        self.open_one(KEEPING, Opener::open_keeping)
-    }
-
-    /// Opens a camera that may have stored its calibration, to be asked what it has.
-    ///
-    /// # Errors
-    /// As [`Self::open_flown`].
-    pub(super) fn open_stored(&self) -> Result<Box<dyn KeepingCamera>, Failure> {
-        self.open_one(KEEPING, Opener::open_stored)
+    /// As [`Self::open_records`].
+    pub(super) fn open_keeping(&self, session: Session) -> Result<Box<dyn KeepingCamera>, Failure> {
+        let open = |opener: &Opener, name: &_| opener.open_linked(name, session);
+        Ok(self.open_one(KEEPING, open)?)
     }
 
     fn open_one<Camera: ?Sized>(
@@ -143,6 +130,21 @@ impl DeviceArgs {
         self.check_options(name)?;
         open(&self.opener(), name)?
             .ok_or_else(|| Failure::bad_input(format!("--device {name}: {which}")))
+    }
+
+    /// Checks that what the firmware in QEMU stores stays after this run.
+    ///
+    /// # Errors
+    /// [`Failure`] where no file is named.
+    pub(super) fn check_kept(&self) -> Result<(), Failure> {
+        match &self.device {
+            Some(name @ DeviceName::Qemu(_)) if self.flash.is_none() => {
+                Err(Failure::bad_input(format!(
+                    "--device {name}: its flash is lost at the end of this run: name a file with --flash FILE"
+                )))
+            }
+            _ => Ok(()),
+        }
     }
 
     fn opener(&self) -> Opener {

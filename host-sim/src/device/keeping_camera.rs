@@ -8,7 +8,7 @@ use fmc_camera_file::GridFiles;
 use super::link_error::LinkError;
 use super::port::Port;
 use super::remote::Remote;
-use super::{CorrectingDevice, DeviceError};
+use super::{CorrectingDevice, DeviceError, RecordSource};
 
 /// A camera that may have a store for its calibration.
 pub trait KeepingCamera {
@@ -34,6 +34,11 @@ pub trait KeepingCamera {
     /// [`DeviceError::Link`] for a camera without a store.
     fn stored(&mut self) -> Result<Result<StoredIdentity, NothingStored>, DeviceError>;
 }
+
+/// A camera behind a link, which may keep records and a calibration.
+pub trait LinkedCamera: RecordSource + KeepingCamera {}
+
+impl<C: RecordSource + KeepingCamera> LinkedCamera for C {}
 
 impl<P: Port> KeepingCamera for Remote<P> {
     fn put_into_use(

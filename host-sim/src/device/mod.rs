@@ -46,7 +46,7 @@ pub use fmc_simulation::mission::device::FlyingDevice;
 pub(crate) use batch::PointBatch;
 pub use error::DeviceError;
 pub use flown_camera::FlownCamera;
-pub use keeping_camera::KeepingCamera;
+pub use keeping_camera::{KeepingCamera, LinkedCamera};
 pub use name::{DeviceName, Machine};
 pub use open::{OpenError, Opener};
 pub use record_source::RecordSource;

@@ -5,10 +5,8 @@ use std::path::PathBuf;
 use super::error::DeviceError;
 use super::link_error::LinkError;
 use super::qemu::{Qemu, QemuOptions};
-use super::{
-    Device, DeviceName, FlownCamera, FlyingDevice, InProcess, KeepingCamera, RecordSource, serial,
-    tcp,
-};
+use super::remote::Session;
+use super::{Device, DeviceName, FlownCamera, FlyingDevice, InProcess, LinkedCamera, serial, tcp};
 use crate::failure::Failure;
 
 /// Opener of devices.
@@ -108,8 +106,8 @@ impl Opener {
         Ok(match name {
             DeviceName::Sil => Box::new(InProcess::default()),
             DeviceName::Qemu(machine) => Box::new(Qemu::start(*machine, &self.qemu)?),
-            DeviceName::Serial(path) => Box::new(serial::connect(path)?),
-            DeviceName::Tcp(address) => Box::new(tcp::connect(address)?),
+            DeviceName::Serial(path) => Box::new(serial::connect(path, Session::Whole)?),
+            DeviceName::Tcp(address) => Box::new(tcp::connect(address, Session::Whole)?),
         })
     }
 
@@ -124,25 +122,26 @@ impl Opener {
         Ok(match name {
             DeviceName::Sil => Box::new(InProcess::default()),
             DeviceName::Qemu(machine) => Box::new(Qemu::start(*machine, &self.qemu)?),
-            DeviceName::Serial(path) => Box::new(serial::connect(path)?),
-            DeviceName::Tcp(address) => Box::new(tcp::connect(address)?),
+            DeviceName::Serial(path) => Box::new(serial::connect(path, Session::Whole)?),
+            DeviceName::Tcp(address) => Box::new(tcp::connect(address, Session::Whole)?),
         })
     }
 
-    /// Opens a device that may have records of a flight; `None` for the camera in this process,
-    /// which has not flown.
+    /// Opens a camera behind a link that may keep records and a calibration; `None` for the camera in
+    /// this process, which keeps nothing. A session for reading lets another fly the camera.
     ///
     /// # Errors
     /// As [`Self::open`].
-    pub fn open_records(
+    pub fn open_linked(
         &self,
         name: &DeviceName,
-    ) -> Result<Option<Box<dyn RecordSource>>, OpenError> {
+        session: Session,
+    ) -> Result<Option<Box<dyn LinkedCamera>>, OpenError> {
         Ok(match name {
             DeviceName::Sil => None,
             DeviceName::Qemu(machine) => Some(Box::new(Qemu::start(*machine, &self.qemu)?)),
-            DeviceName::Serial(path) => Some(Box::new(serial::connect_reading(path)?)),
-            DeviceName::Tcp(address) => Some(Box::new(tcp::connect_reading(address)?)),
+            DeviceName::Serial(path) => Some(Box::new(serial::connect(path, session)?)),
+            DeviceName::Tcp(address) => Some(Box::new(tcp::connect(address, session)?)),
         })
     }
 
@@ -150,60 +149,15 @@ impl Opener {
     ///
     /// # Errors
     /// As [`Self::open`].
-    pub fn open_flown(&self, name: &DeviceName) -> Result<Option<Box<dyn FlownCamera>>, OpenError> {
-        Ok(match name {
-            DeviceName::Sil | DeviceName::Qemu(_) => None,
-            DeviceName::Serial(path) => Some(Box::new(serial::connect(path)?)),
-            DeviceName::Tcp(address) => Some(Box::new(tcp::connect(address)?)),
-        })
-    }
-
-    /// Opens a camera that may store its calibration; `None` for the camera in this process.
-    ///
-    /// # Errors
-    /// As [`Self::open`].
-    pub fn open_keeping(
+    pub fn open_flown(
         &self,
         name: &DeviceName,
-    ) -> Result<Option<Box<dyn KeepingCamera>>, OpenError> {
-        Ok(match name {
-            DeviceName::Sil => None,
-            DeviceName::Qemu(machine) => Some(Box::new(Qemu::start(*machine, &self.qemu)?)),
-            DeviceName::Serial(path) => Some(Box::new(serial::connect(path)?)),
-            DeviceName::Tcp(address) => Some(Box::new(tcp::connect(address)?)),
-        })
-    }
-
-    /// Opens a camera that may have stored its calibration, to be asked what it has, beside a
-    /// session that flies it; `None` for the camera in this process.
-    ///
-    /// # Errors
-    /// As [`Self::open`].
-    pub fn open_stored(
-        &self,
-        name: &DeviceName,
-    ) -> Result<Option<Box<dyn KeepingCamera>>, OpenError> {
-        Ok(match name {
-            DeviceName::Sil => None,
-            DeviceName::Qemu(machine) => Some(Box::new(Qemu::start(*machine, &self.qemu)?)),
-            DeviceName::Serial(path) => Some(Box::new(serial::connect_reading(path)?)),
-            DeviceName::Tcp(address) => Some(Box::new(tcp::connect_reading(address)?)),
-        })
-    }
-
-    /// Opens a camera on a board for its status alone, beside a session that flies it; `None` for a
-    /// device without a mechanism.
-    ///
-    /// # Errors
-    /// As [`Self::open`].
-    pub fn open_watched(
-        &self,
-        name: &DeviceName,
+        session: Session,
     ) -> Result<Option<Box<dyn FlownCamera>>, OpenError> {
         Ok(match name {
             DeviceName::Sil | DeviceName::Qemu(_) => None,
-            DeviceName::Serial(path) => Some(Box::new(serial::connect_reading(path)?)),
-            DeviceName::Tcp(address) => Some(Box::new(tcp::connect_reading(address)?)),
+            DeviceName::Serial(path) => Some(Box::new(serial::connect(path, session)?)),
+            DeviceName::Tcp(address) => Some(Box::new(tcp::connect(address, session)?)),
         })
     }
 }

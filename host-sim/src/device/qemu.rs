@@ -32,7 +32,7 @@ use super::machine::{self, PROGRAM, Process};
 use super::name::Machine;
 use super::open::OpenError;
 use super::port::TcpPort;
-use super::remote::Remote;
+use super::remote::{Remote, Session};
 use super::shared_memory::SharedMemory;
 use super::{CorrectingDevice, Device, DeviceError, Evidence, FlyingDevice, KeepingCamera};
 
@@ -103,7 +103,8 @@ impl Qemu {
         let ports = BlockPort::all(link, [receiver, autopilot], started.memory);
         let [link, receiver, autopilot] = ports;
         let name = format!("qemu:{machine}");
-        let remote = Remote::connect(&name, link).map_err(|error| watch.explain(error))?;
+        let remote =
+            Remote::connect(&name, link, Session::Whole).map_err(|error| watch.explain(error))?;
         let remote = remote.with_wires(receiver, autopilot);
         Ok(Self {
             watch,

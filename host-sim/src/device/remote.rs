@@ -29,6 +29,15 @@ use super::{CorrectingDevice, Device, Evidence, InProcess};
 /// Step from one point of a grid that is compared by value to the next.
 pub const SAMPLE_STEP: usize = 8;
 
+/// Session with a camera.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Session {
+    /// Every request; an earlier session ends.
+    Whole,
+    /// Status, records and what is stored alone; another session may fly the camera, and goes on.
+    Reading,
+}
+
 /// A camera over a link, with its twin: the same code in this process. Every answer of the camera
 /// must have the twin's bits.
 #[derive(Debug)]
@@ -60,26 +69,13 @@ impl<P: Port> Remote<P> {
     ///
     /// # Errors
     /// [`DeviceError::Link`] where it does not answer as a camera of this protocol.
-    pub fn connect(name: &str, port: P) -> Result<Self, DeviceError> {
-        Self::of(name, port, Client::connect)
-    }
-
-    /// Connects to a camera that another session may be flying, which goes on: for its status and
-    /// its records alone.
-    ///
-    /// # Errors
-    /// As [`Self::connect`].
-    pub fn connect_reading(name: &str, port: P) -> Result<Self, DeviceError> {
-        Self::of(name, port, Client::connect_reading)
-    }
-
-    fn of(
-        name: &str,
-        port: P,
-        open: fn(&mut Client<P>) -> Result<Identity, LinkError>,
-    ) -> Result<Self, DeviceError> {
+    pub fn connect(name: &str, port: P, session: Session) -> Result<Self, DeviceError> {
         let mut client = Client::new(port);
-        let identity = open(&mut client).map_err(|error| DeviceError::Link {
+        let identity = match session {
+            Session::Whole => client.connect(),
+            Session::Reading => client.connect_reading(),
+        };
+        let identity = identity.map_err(|error| DeviceError::Link {
             device: name.to_owned(),
             error,
         })?;

@@ -8,7 +8,7 @@ use super::error::DeviceError;
 use super::link_error::LinkError;
 use super::open::OpenError;
 use super::port::{self, Port, SEND_WITHIN};
-use super::remote::Remote;
+use super::remote::{Remote, Session};
 
 /// Bits per second: 8 data bits, no parity, one stop bit, no flow control.
 pub const BAUD: u32 = 921_600;
@@ -106,25 +106,10 @@ impl Port for SerialPort {
 ///
 /// # Errors
 /// [`OpenError::Port`] where the port cannot be opened, or the device on it is not a camera.
-pub fn connect(path: &Path) -> Result<Remote<SerialPort>, OpenError> {
-    open(path, Remote::connect)
-}
-
-/// Opens a port and connects to the camera on it for reading, as [`Remote::connect_reading`].
-///
-/// # Errors
-/// As [`connect`].
-pub fn connect_reading(path: &Path) -> Result<Remote<SerialPort>, OpenError> {
-    open(path, Remote::connect_reading)
-}
-
-fn open(
-    path: &Path,
-    session: fn(&str, SerialPort) -> Result<Remote<SerialPort>, DeviceError>,
-) -> Result<Remote<SerialPort>, OpenError> {
+pub fn connect(path: &Path, session: Session) -> Result<Remote<SerialPort>, OpenError> {
     let port = SerialPort::open(path)?;
     let name = format!("serial:{}", path.display());
-    session(&name, port).map_err(|error| match error {
+    Remote::connect(&name, port, session).map_err(|error| match error {
         DeviceError::Link { error, .. }
             if !matches!(error, LinkError::OtherProtocol(_) | LinkError::Closed) =>
         {

@@ -9,7 +9,7 @@ use super::error::DeviceError;
 use super::link_error::LinkError;
 use super::open::OpenError;
 use super::port::TcpPort;
-use super::remote::Remote;
+use super::remote::{Remote, Session};
 
 /// Longest time for a connection to be made.
 const CONNECTED_WITHIN: Duration = Duration::from_secs(5);
@@ -26,22 +26,7 @@ const HINTS: &str = "is it the camera's link that is forwarded, its bytes unchan
 ///
 /// # Errors
 /// [`OpenError::Port`] where nobody answers, or not as a camera.
-pub fn connect(address: &str) -> Result<Remote<TcpPort>, OpenError> {
-    open(address, Remote::connect)
-}
-
-/// Connects for reading, as [`Remote::connect_reading`].
-///
-/// # Errors
-/// As [`connect`].
-pub fn connect_reading(address: &str) -> Result<Remote<TcpPort>, OpenError> {
-    open(address, Remote::connect_reading)
-}
-
-fn open(
-    address: &str,
-    session: fn(&str, TcpPort) -> Result<Remote<TcpPort>, DeviceError>,
-) -> Result<Remote<TcpPort>, OpenError> {
+pub fn connect(address: &str, session: Session) -> Result<Remote<TcpPort>, OpenError> {
     let failed = |what: String, help| OpenError::Port {
         path: PathBuf::from(address),
         what,
@@ -50,7 +35,7 @@ fn open(
     let port = dial(address)
         .and_then(TcpPort::new)
         .map_err(|error| failed(format!("no connection: {error}"), NOBODY))?;
-    session(&format!("tcp:{address}"), port).map_err(|error| match error {
+    Remote::connect(&format!("tcp:{address}"), port, session).map_err(|error| match error {
         DeviceError::Link { error, .. } if !matches!(error, LinkError::OtherProtocol(_)) => {
             let what = format!("the device there does not answer as a camera: {error}");
             failed(what, HINTS)

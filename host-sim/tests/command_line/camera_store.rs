@@ -68,5 +68,10 @@ fn store_needs_a_camera_that_keeps_something_and_a_flash_is_for_qemu() {
         "stored",
     ];
     bench.run(&flash).refused(&["--flash", "--device qemu"]);
+    let origin = ["--laboratory", "Range", "--date", "2026-05-17"];
+    let lost = [&["camera", "--device", "qemu", "store"], &origin[..]].concat();
+    bench
+        .run(&lost)
+        .refused(&["--device qemu: its flash is lost", "--flash FILE"]);
     assert_eq!(bench.files(), ["camera.toml", "points.csv"]);
 }

@@ -57,8 +57,8 @@ pub struct WrongRunSummary {
     pub effect: String,
     /// Largest part of what a record without fault or flag allows that an error takes.
     pub worst: Option<f64>,
-    /// Quantity of this error.
-    pub quantity: Option<&'static str>,
+    /// Quantity of this error; empty without one.
+    pub quantity: String,
     /// Scenario that repeats it.
     pub scenario: String,
 }
@@ -87,8 +87,8 @@ impl Summary {
                     frame: finding.outcome.first_silent,
                     unanswered_triggers: finding.outcome.unanswered,
                     effect: finding.outcome.effect.clone(),
-                    worst: finding.outcome.worst.map(|worst| worst.used),
-                    quantity: finding.outcome.worst.map(|worst| worst.name),
+                    worst: finding.outcome.worst,
+                    quantity: finding.outcome.worst_of.clone(),
                     scenario: scenario_name(number),
                 })
                 .collect(),

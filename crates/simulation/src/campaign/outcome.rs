@@ -1,19 +1,9 @@
-//! Outcome of one run, as a line of text.
+//! Outcome of one run, as a row of a table.
 
-use std::fmt;
-use std::num::ParseIntError;
-
-/// The largest part of what a record allows that an error takes.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Quantified {
-    /// Name of the quantity.
-    pub name: &'static str,
-    /// Part of what is allowed; above 1 the frame is silently wrong.
-    pub used: f64,
-}
+use serde::{Deserialize, Serialize};
 
 /// Outcome of a run.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Outcome {
     /// Time from the onset to the first round in which the camera was told something else than
     /// without the fault, ms; `None` if it never was: the fault has not arrived.
@@ -22,8 +12,12 @@ pub struct Outcome {
     pub effect: String,
     /// Its time after the onset, ms.
     pub effect_ms: Option<u32>,
-    /// Worst error of the frames without fault or flag; `None` without such frames.
-    pub worst: Option<Quantified>,
+    /// Quantity of the worst error of the frames without fault or flag; empty without such frames.
+    pub worst_of: String,
+    /// This error in parts of what its record allows; above 1 the frame is silently wrong.
+    pub worst: Option<f64>,
+    /// Number of frames that were judged.
+    pub exposed: u32,
     /// Number of frames that are wrong without a flag, or record light that did not pass.
     pub silent: u32,
     /// Number of the first of them.
@@ -32,12 +26,7 @@ pub struct Outcome {
     pub unrecorded: u32,
     /// Number of triggers without their record, and of records without their trigger.
     pub unanswered: u32,
-    /// Number of frames that were judged.
-    pub exposed: u32,
 }
-
-/// Names that [`Quantified`] may have.
-const NAMES: [&str; 4] = ["principal point", "UTC", "smear", "V/H"];
 
 impl Outcome {
     /// Name without an effect.
@@ -49,64 +38,32 @@ impl Outcome {
         self.silent.saturating_add(self.unrecorded)
     }
 
-    /// Reads the line that [`Self`] is written as; `None` for another text.
-    #[must_use]
-    pub fn parse(line: &str) -> Option<Self> {
-        let mut fields = line.split('|');
-        let mut next = || fields.next();
-        let arrived_ms = number(next()?).ok()?;
-        let effect = next()?.to_owned();
-        let effect_ms = number(next()?).ok()?;
-        let (name, used) = (next()?, next()?);
-        let worst = match (name, used) {
-            ("", "") => None,
-            _ => Some(Quantified {
-                name: NAMES.into_iter().find(|known| *known == name)?,
-                used: used.parse().ok()?,
-            }),
-        };
-        let outcome = Self {
-            arrived_ms,
-            effect,
-            effect_ms,
-            worst,
-            silent: next()?.parse().ok()?,
-            first_silent: number(next()?).ok()?,
-            unrecorded: next()?.parse().ok()?,
-            unanswered: next()?.parse().ok()?,
-            exposed: next()?.parse().ok()?,
-        };
-        fields.next().is_none().then_some(outcome)
+    /// Writes outcomes as rows of CSV without a heading, numbers with all their digits.
+    ///
+    /// # Errors
+    /// Those of the writer.
+    pub fn write_rows(outcomes: &[Self]) -> csv::Result<String> {
+        let mut writer = csv::WriterBuilder::new()
+            .has_headers(false)
+            .from_writer(Vec::new());
+        for outcome in outcomes {
+            writer.serialize(outcome)?;
+        }
+        let bytes = writer
+            .into_inner()
+            .map_err(csv::IntoInnerError::into_error)?;
+        Ok(String::from_utf8_lossy(&bytes).into_owned())
     }
-}
 
-/// Reads a number that may be missing.
-fn number(text: &str) -> Result<Option<u32>, ParseIntError> {
-    if text.is_empty() {
-        return Ok(None);
-    }
-    text.parse().map(Some)
-}
-
-impl fmt::Display for Outcome {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let optional = |value: Option<u32>| value.map_or(String::new(), |value| value.to_string());
-        let (name, used) = self.worst.map_or((String::new(), String::new()), |worst| {
-            // As many digits as lead back to the same number.
-            (worst.name.to_owned(), format!("{:?}", worst.used))
-        });
-        write!(
-            f,
-            "{}|{}|{}|{name}|{used}|{}|{}|{}|{}|{}",
-            optional(self.arrived_ms),
-            self.effect,
-            optional(self.effect_ms),
-            self.silent,
-            optional(self.first_silent),
-            self.unrecorded,
-            self.unanswered,
-            self.exposed
-        )
+    /// Reads the rows that [`Self::write_rows`] has written.
+    ///
+    /// # Errors
+    /// An error for a row that is not one.
+    pub fn read_rows(text: &str) -> csv::Result<Vec<Self>> {
+        let reader = csv::ReaderBuilder::new()
+            .has_headers(false)
+            .from_reader(text.as_bytes());
+        reader.into_deserialize().collect()
     }
 }
 
@@ -115,35 +72,34 @@ mod tests {
     use super::*;
 
     #[test]
-    fn outcome_is_read_back_as_it_was_written_and_a_torn_line_is_none() {
+    fn outcomes_are_read_back_as_they_were_written_and_a_torn_row_is_an_error() {
         let full = Outcome {
             arrived_ms: Some(3),
             effect: "flag V/H jump".to_owned(),
             effect_ms: Some(120),
-            worst: Some(Quantified {
-                name: "smear",
-                used: 0.1 + 0.2,
-            }),
+            worst_of: "smear".to_owned(),
+            worst: Some(0.1 + 0.2),
+            exposed: 4,
             silent: 1,
             first_silent: Some(40),
             unrecorded: 0,
             unanswered: 2,
-            exposed: 4,
         };
         let empty = Outcome {
             arrived_ms: None,
             effect: Outcome::NO_EFFECT.to_owned(),
             effect_ms: None,
+            worst_of: String::new(),
             worst: None,
             first_silent: None,
             ..full.clone()
         };
-        for outcome in [full, empty] {
-            let line = outcome.to_string();
-            assert_eq!(Outcome::parse(&line), Some(outcome));
-            // A shorter number is a number: torn lines are told by the sum of their block.
-            let torn = line.rsplit_once('|').unwrap().0;
-            assert_eq!(Outcome::parse(torn), None, "{torn}");
-        }
+        let outcomes = [full, empty];
+        let rows = Outcome::write_rows(&outcomes).unwrap();
+        assert_eq!(rows.lines().count(), 2);
+        assert_eq!(Outcome::read_rows(&rows).unwrap(), outcomes);
+        // A shorter number is a number: torn rows are told by the sum of their block.
+        let torn = rows.rsplit_once(',').unwrap().0;
+        assert!(Outcome::read_rows(torn).is_err(), "{torn}");
     }
 }

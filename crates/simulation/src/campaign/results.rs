@@ -68,8 +68,10 @@ pub struct Results {
 
 impl Results {
     /// Collects the outcomes of all blocks of a plan, in their order.
-    #[must_use]
-    pub fn of(plan: &Plan, outcomes: &[Vec<Outcome>]) -> Self {
+    ///
+    /// # Errors
+    /// Those of [`Outcome::write_rows`].
+    pub fn of(plan: &Plan, outcomes: &[Vec<Outcome>]) -> csv::Result<Self> {
         let crc = crc::Crc::<u64>::new(&crc::CRC_64_XZ);
         let mut digest = crc.digest();
         let mut results = Self {
@@ -92,15 +94,14 @@ impl Results {
             })
             .collect();
         for (block, outcomes) in plan.blocks().into_iter().zip(outcomes) {
+            digest.update(Outcome::write_rows(outcomes)?.as_bytes());
             for (run, outcome) in plan.runs(block).into_iter().zip(outcomes) {
-                digest.update(outcome.to_string().as_bytes());
-                digest.update(b"\n");
                 results.add(run, outcome);
             }
         }
         results.rows.retain(|row| row.runs > 0);
         results.digest = digest.finalize();
-        results
+        Ok(results)
     }
 
     fn add(&mut self, run: Run, outcome: &Outcome) {
@@ -121,13 +122,11 @@ impl Results {
         row.unanswered_triggers += outcome.unanswered;
         *row.effects.entry(outcome.effect.clone()).or_default() += 1;
         if let Some(worst) = outcome.worst {
-            row.worst = Some(
-                row.worst
-                    .map_or(worst.used, |before| before.max(worst.used)),
-            );
+            let larger = |before: Option<f64>| Some(before.map_or(worst, |one| one.max(worst)));
+            row.worst = larger(row.worst);
             let cell = usize::try_from(run.tick % INTERVAL_MS / CELL_MS).ok();
             if let Some(cell) = cell.and_then(|cell| row.cells.get_mut(cell)) {
-                *cell = Some(cell.map_or(worst.used, |before| before.max(worst.used)));
+                *cell = larger(*cell);
             }
         }
         let is_wrong = outcome.silent_bad() > 0 || outcome.unanswered > 0;

@@ -4,7 +4,7 @@ use fmc_camera::flight::frame_record::{Flag, Outcome as Recorded};
 
 use super::case::Case;
 use super::effect::Effect;
-use super::outcome::{Outcome, Quantified};
+use super::outcome::Outcome;
 use super::world::{INTERVAL_MS, OriginalFlight, next_us};
 use crate::judge::answers::Answers;
 use crate::judge::quantity::Quantity;
@@ -120,7 +120,7 @@ fn judged<D>(
         .collect();
     let worst = judged()
         .filter_map(|(_, verdict)| worst_of(verdict.as_ref()?))
-        .max_by(|one, other| one.used.total_cmp(&other.used));
+        .max_by(|(_, one), (_, other)| one.total_cmp(other));
     Outcome {
         arrived_ms: arrived_us.map(after_ms),
         effect: effect
@@ -128,7 +128,8 @@ fn judged<D>(
             .map_or(Effect::None, |(_, effect)| effect.clone())
             .to_string(),
         effect_ms: effect.map(|(time_us, _)| after_ms(time_us)),
-        worst,
+        worst_of: worst.map_or("", |(name, _)| name).to_owned(),
+        worst: worst.map(|(_, used)| used),
         silent: u32::try_from(silent.len()).unwrap_or(u32::MAX),
         first_silent: silent.first().copied(),
         unrecorded: unrecorded(flown),
@@ -139,21 +140,20 @@ fn judged<D>(
 }
 
 /// Returns the largest part of what its record allows that an error of a frame without fault or
-/// flag takes; `None` for other frames, which nobody is to trust.
-fn worst_of(verdict: &Verdict) -> Option<Quantified> {
-    let of = |name, used| Quantified { name, used };
+/// flag takes, and the name of the quantity; `None` for other frames, which nobody is to trust.
+fn worst_of(verdict: &Verdict) -> Option<(&'static str, f64)> {
     let sigmas = |quantity: Quantity| {
         let stated = verdict.of_quantity(quantity)?;
-        Some(of(quantity.name(), stated.ratio().abs() / SILENT_SIGMAS))
+        Some((quantity.name(), stated.ratio().abs() / SILENT_SIGMAS))
     };
     [
         sigmas(Quantity::PrincipalPoint),
         sigmas(Quantity::Utc),
-        Some(of("smear", smear_used(verdict))),
+        Some(("smear", smear_used(verdict))),
     ]
     .into_iter()
     .flatten()
-    .max_by(|one, other| one.used.total_cmp(&other.used))
+    .max_by(|(_, one), (_, other)| one.total_cmp(other))
     .filter(|_| !verdict.is_flagged)
 }
 

@@ -100,7 +100,9 @@ impl Progress {
     /// [`Failure`] naming the file; the blocks before are kept.
     pub(super) fn add(&mut self, block: Block, outcomes: Vec<Outcome>) -> Result<(), Failure> {
         let name = name(block);
-        self.append(&text(&name, &outcomes))?;
+        let text =
+            text(&name, &outcomes).map_err(|error| Failure::device_or_io(error.to_string()))?;
+        self.append(&text)?;
         self.done.insert(name, outcomes);
         Ok(())
     }
@@ -125,13 +127,9 @@ fn name(block: Block) -> String {
 }
 
 /// Writes a block: its name, its outcomes, and the check sum of both.
-fn text(name: &str, outcomes: &[Outcome]) -> String {
-    let mut lines = format!("{name}\n");
-    for outcome in outcomes {
-        lines.push_str(&outcome.to_string());
-        lines.push('\n');
-    }
-    format!("{lines}end {:08x}\n", sum(&lines))
+fn text(name: &str, outcomes: &[Outcome]) -> csv::Result<String> {
+    let lines = format!("{name}\n{}", Outcome::write_rows(outcomes)?);
+    Ok(format!("{lines}end {:08x}\n", sum(&lines)))
 }
 
 fn sum(lines: &str) -> u32 {
@@ -160,10 +158,7 @@ fn read_block(text: &str) -> Option<(String, Vec<Outcome>, usize)> {
         return None;
     }
     let (name, outcomes) = lines.split_once('\n')?;
-    let outcomes = outcomes
-        .lines()
-        .map(Outcome::parse)
-        .collect::<Option<Vec<_>>>()?;
+    let outcomes = Outcome::read_rows(outcomes).ok()?;
     let length = lines.len() + end.len() + 1;
     Some((name.to_owned(), outcomes, length))
 }
@@ -201,6 +196,7 @@ mod tests {
             arrived_ms: Some(1),
             effect: "fault stall".to_owned(),
             effect_ms: Some(5),
+            worst_of: String::new(),
             worst: None,
             silent: 0,
             first_silent: None,

@@ -11,7 +11,7 @@ use super::{EXPOSURE, VERTICES, camera, exposed, grid, link_error, points};
 use crate::device::error::{DeviceError, DifferentResult};
 use crate::device::faulty_port::FaultyPort;
 use crate::device::link_error::LinkError;
-use crate::device::remote::Remote;
+use crate::device::remote::{Remote, Session};
 use crate::device::{CorrectingDevice, Device, FlownCamera as _, InProcess};
 
 #[test]
@@ -53,7 +53,7 @@ fn remote_camera_answers_what_the_one_in_process_does() {
 
 #[test]
 fn refusals_arrive_with_their_reason_and_place() {
-    let mut remote = Remote::connect("test", FaultyPort::new([])).unwrap();
+    let mut remote = Remote::connect("test", FaultyPort::new([]), Session::Whole).unwrap();
     assert_eq!(remote.expose(&EXPOSURE), Err(DeviceError::NoFrame));
     let mut bad = camera();
     bad.calibration.principal_distance_mm = -1.0;

@@ -8,7 +8,7 @@ use crate::device::client::TRIES;
 use crate::device::error::DeviceError;
 use crate::device::faulty_port::{Fault, FaultyPort};
 use crate::device::link_error::LinkError;
-use crate::device::remote::Remote;
+use crate::device::remote::{Remote, Session};
 use crate::device::{CorrectingDevice, Device, InProcess};
 
 #[test]
@@ -60,7 +60,7 @@ proptest! {
     #[test]
     fn every_result_is_right_or_an_error(faults in proptest::collection::vec(fault(), 0..80)) {
         let port = FaultyPort::new(faults);
-        let Ok(mut remote) = Remote::connect("test", port) else {
+        let Ok(mut remote) = Remote::connect("test", port, Session::Whole) else {
             return Ok(());
         };
         let mut twin = InProcess::default();

@@ -21,7 +21,7 @@ use super::CorrectingDevice;
 use super::error::DeviceError;
 use super::faulty_port::FaultyPort;
 use super::link_error::LinkError;
-use super::remote::Remote;
+use super::remote::{Remote, Session};
 
 fn camera() -> CameraParameters {
     let mut lens = CalibrationParameters::new(100.0, [8000, 6000], 10.0);
@@ -62,7 +62,7 @@ const EXPOSURE: Exposure = Exposure::new(0.1, 0.005);
 /// Returns a camera that has been exposed, on a wire without faults so far.
 fn exposed() -> (Remote<FaultyPort>, FaultyPort) {
     let port = FaultyPort::new([]);
-    let mut remote = Remote::connect("test", port.clone()).unwrap();
+    let mut remote = Remote::connect("test", port.clone(), Session::Whole).unwrap();
     remote.load(&camera()).unwrap();
     remote.expose(&EXPOSURE).unwrap();
     (remote, port)

@@ -10,11 +10,11 @@ use super::{camera, link_error};
 use crate::device::FlyingDevice;
 use crate::device::faulty_port::FaultyPort;
 use crate::device::link_error::LinkError;
-use crate::device::remote::Remote;
+use crate::device::remote::{Remote, Session};
 
 /// Returns a camera that keeps the records of so many triggers, refused since it is not armed.
 fn triggered(triggers: u64) -> Remote<FaultyPort> {
-    let mut remote = Remote::connect("test", FaultyPort::new([])).unwrap();
+    let mut remote = Remote::connect("test", FaultyPort::new([]), Session::Whole).unwrap();
     remote
         .prepare(&camera(), &FlightSettings::default())
         .unwrap();

@@ -8,12 +8,12 @@ use crate::device::client::Client;
 use crate::device::error::DeviceError;
 use crate::device::faulty_port::{Fault, FaultyPort};
 use crate::device::link_error::LinkError;
-use crate::device::remote::Remote;
+use crate::device::remote::{Remote, Session};
 
 #[test]
 fn second_host_takes_the_session_and_the_first_is_told() {
     let (mut first, port) = exposed();
-    let mut second = Remote::connect("second", port.another()).unwrap();
+    let mut second = Remote::connect("second", port.another(), Session::Whole).unwrap();
     assert_eq!(
         link_error(first.correct(&points(3))),
         LinkError::SessionEnded
@@ -81,7 +81,7 @@ fn connect_after_a_host_that_died_in_the_middle_of_a_batch() {
     let (_, port) = exposed();
     // Half a frame, whose rest never comes.
     port.inject(&[0, 200, 1, 2, 3, 4, 5, 6, 7, 8]);
-    let mut next = Remote::connect("next", port.clone()).unwrap();
+    let mut next = Remote::connect("next", port.clone(), Session::Whole).unwrap();
     next.load(&camera()).unwrap();
     next.expose(&EXPOSURE).unwrap();
     assert_eq!(next.counters().unwrap().unwrap().truncated, 1);
