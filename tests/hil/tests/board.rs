@@ -17,7 +17,7 @@ use anyhow::{Context as _, Result, ensure};
 use fmc_camera::{
     Brown, CalibrationParameters, CameraParameters, Exposure, io::link::message::Grid,
 };
-use host_sim::device::{CorrectingDevice as _, Device as _, serial};
+use host_sim::device::{CorrectingDevice as _, Device as _, remote, serial};
 use probe_rs::{
     CoreStatus, MemoryInterface as _, Session, SessionConfig,
     flashing::{ElfLoader, ElfOptions, download_file},
@@ -67,7 +67,7 @@ fn image_runs_without_restart_and_computes_as_this_pc() -> Result<()> {
 /// Checks a frame and a grid over the sensor: the camera's own answers must have the bits of its
 /// code on this PC.
 fn computes_as_this_pc(port: &Path) -> Result<()> {
-    let mut camera = serial::connect(port)?;
+    let mut camera = serial::connect(port, remote::Session::Whole)?;
     let lens = CalibrationParameters {
         distortion: Brown {
             k1: -1.6056e-5,
