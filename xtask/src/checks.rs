@@ -174,7 +174,8 @@ fn run_step(step: Step, workspace: &Workspace, equipment: &Equipment<'_>) -> Res
         }
         Step::Site => return site::check(workspace),
         Step::Supply => return supply::check(workspace),
-        Step::HostTests => workspace.cargo(&format!("test {TESTED} --locked")),
+        // All of them, so that one run names every test that fails.
+        Step::HostTests => workspace.cargo(&format!("test {TESTED} --locked --no-fail-fast")),
         Step::Verify => {
             let host_sim = verify::tested_host_sim(workspace)?;
             let host_sim = workspace.shell.cmd(host_sim).quiet();

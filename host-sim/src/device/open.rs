@@ -127,8 +127,8 @@ impl Opener {
         })
     }
 
-    /// Opens a camera behind a link that may keep records and a calibration; `None` for the camera in
-    /// this process, which keeps nothing. A session for reading lets another fly the camera.
+    /// Opens a camera behind a link that may keep records and a calibration; `None` for the camera
+    /// in this process, which keeps nothing. A session for reading lets another fly the camera.
     ///
     /// # Errors
     /// As [`Self::open`].
