@@ -72,6 +72,6 @@ fn store_needs_a_camera_that_keeps_something_and_a_flash_is_for_qemu() {
     let lost = [&["camera", "--device", "qemu", "store"], &origin[..]].concat();
     bench
         .run(&lost)
-        .refused(&["--device qemu: its flash is lost", "--flash FILE"]);
+        .refused(&["--device qemu:an386: its flash is lost", "--flash FILE"]);
     assert_eq!(bench.files(), ["camera.toml", "points.csv"]);
 }
