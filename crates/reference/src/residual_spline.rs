@@ -56,15 +56,13 @@ impl ResidualSpline {
     #[must_use]
     pub fn displacement(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         let [first_x, first_y] = self.first_mm;
-        let across = (x - first_x) / self.pitch_mm;
-        let along = (y - first_y) / self.pitch_mm;
+        let (first_column, of_columns) = weights((x - first_x) / self.pitch_mm);
+        let (first_row, of_rows) = weights((y - first_y) / self.pitch_mm);
         let mut sum = [0.0; 2];
         let rows = self.coefficients_mm.chunks(self.columns.max(1));
-        for (row, nodes) in rows.enumerate().skip(first_node(along)).take(REACH) {
-            let weight_of_row = basis(along - count(row));
-            let nodes = nodes.iter().enumerate().skip(first_node(across));
-            for (column, [cx, cy]) in nodes.take(REACH) {
-                let weight = weight_of_row * basis(across - count(column));
+        for (nodes, of_row) in rows.skip(first_row).zip(of_rows) {
+            for ([cx, cy], of_column) in nodes.iter().skip(first_column).zip(of_columns) {
+                let weight = of_row * of_column;
                 let [sum_x, sum_y] = sum;
                 sum = [sum_x + weight * cx, sum_y + weight * cy];
             }
@@ -86,6 +84,14 @@ const fn first_node(place: f64) -> usize {
     (place - 2.0) as usize
 }
 
+/// Returns the first node that reaches a place, counted in nodes, and the weights of it and of the
+/// nodes after it.
+fn weights(place: f64) -> (usize, [f64; REACH]) {
+    let first = first_node(place);
+    let of_node = |after: usize| basis(place - count(first) - count(after));
+    (first, std::array::from_fn(of_node))
+}
+
 /// Returns the cubic B-spline that is centred on 0 and has its knots at whole numbers.
 fn basis(t: f64) -> f64 {
     if t.abs() < 2.0 {
@@ -97,8 +103,11 @@ fn basis(t: f64) -> f64 {
 
 /// Returns the B-spline of an order with the knots 0, 1, … (de Boor and Cox).
 fn recursion(order: u8, t: f64) -> f64 {
+    if !(0.0..f64::from(order)).contains(&t) {
+        return 0.0;
+    }
     if order <= 1 {
-        return f64::from(u8::from((0.0..1.0).contains(&t)));
+        return 1.0;
     }
     let below = f64::from(order - 1);
     (t * recursion(order - 1, t) + (below + 1.0 - t) * recursion(order - 1, t - 1.0)) / below
