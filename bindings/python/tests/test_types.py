@@ -16,6 +16,8 @@ frame = camera.frame(0.17, 1 / 200, direction="reverse")
 singles: NDArray[np.float32] = frame.correct(np.zeros((2, 2), np.float32))
 doubles: NDArray[np.float64] = frame.distort(np.zeros((2, 2)))
 frames = camera.frames("records.csv")
+share: float = camera.budget(height_m=441).terms[0]["limits_px"]
+camera.plot(frame).save("change.svg")
 many: NDArray[np.float64] = frames.correct(np.zeros((2, 2)), [0, 1], answer="ideal-shifted")
 """
 

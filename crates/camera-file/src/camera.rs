@@ -75,8 +75,20 @@ impl CameraFile {
     /// # Errors
     /// As [`Self::read`].
     pub fn read_polynomial(path: &Path, why: &str) -> Result<(Self, Camera), InputError> {
-        let (file, text) = (path.display().to_string(), text_file::read(path)?);
-        Self::without_grids(&TomlText::new(&file, &text), why)
+        Self::parse_polynomial(&path.display().to_string(), &text_file::read(path)?, why)
+    }
+
+    /// Parses and validates a text as [`read_polynomial`](Self::read_polynomial) does a file;
+    /// `file` is the name that messages use.
+    ///
+    /// # Errors
+    /// As [`Self::read_polynomial`].
+    pub fn parse_polynomial(
+        file: &str,
+        text: &str,
+        why: &str,
+    ) -> Result<(Self, Camera), InputError> {
+        Self::without_grids(&TomlText::new(file, text), why)
     }
 
     /// Reads and validates a camera file with the residual grids that it names; they are empty for
@@ -115,8 +127,7 @@ impl CameraFile {
     /// # Errors
     /// As [`Self::read`].
     pub fn parse(file: &str, text: &str) -> Result<(Self, Camera), InputError> {
-        let why = "without them the camera corrects otherwise";
-        Self::without_grids(&TomlText::new(file, text), why)
+        Self::parse_polynomial(file, text, "without them the camera corrects otherwise")
     }
 
     fn without_grids(text: &TomlText, why: &str) -> Result<(Self, Camera), InputError> {
@@ -235,6 +246,7 @@ impl CameraFile {
 
     /// Converts a pixel coordinate (column, row) into a point of the sensor frame, mm.
     #[must_use]
+    #[inline]
     pub fn sensor_from_pixel(&self, [col, row]: [f64; 2]) -> [f64; 2] {
         let [centre_col, centre_row] = self.centre_px();
         let pixel_mm = self.sensor.pixel_um / 1000.0;
@@ -243,12 +255,14 @@ impl CameraFile {
 
     /// Converts a point of the sensor frame, mm, into a pixel coordinate (column, row).
     #[must_use]
+    #[inline]
     pub fn pixel_from_sensor(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         let [centre_col, centre_row] = self.centre_px();
         let pixel_mm = self.sensor.pixel_um / 1000.0;
         [centre_col + x / pixel_mm, centre_row - y / pixel_mm]
     }
 
+    #[inline]
     fn centre_px(&self) -> [f64; 2] {
         [self.sensor.width_px, self.sensor.height_px].map(|side| (count(side) - 1.0) / 2.0)
     }

@@ -7,19 +7,32 @@
 
 #![forbid(unsafe_code)]
 
+#[cfg(feature = "full")]
 pub mod block_experiment;
 pub mod budget;
+#[cfg(feature = "full")]
 pub mod campaign;
+#[cfg(feature = "full")]
 pub mod judge;
+#[cfg(feature = "full")]
 pub mod mechanics;
+#[cfg(feature = "full")]
 pub mod mission;
+#[cfg(feature = "full")]
 pub mod noise;
+#[cfg(feature = "full")]
 mod range;
+#[cfg(feature = "full")]
 mod scenario_kind;
+#[cfg(feature = "full")]
 mod scenario_text;
+#[cfg(feature = "full")]
 pub mod scene;
 pub mod smear;
+#[cfg(feature = "full")]
 pub mod statistics;
+#[cfg(feature = "full")]
 pub mod strip_experiment;
+#[cfg(feature = "full")]
 pub mod sweep;
 pub mod wording;

@@ -4,6 +4,10 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use fmc_camera_file::number::finite;
+use fmc_simulation::budget::assumptions::{
+    DRIFT_DEG, ENCODER_UM, FOCUS_UM, HEIGHT_M, Quantity, RATE_DEG_S, RELIEF_PERCENT, TIMING_MS,
+    VH_ERROR_PERCENT,
+};
 
 use super::calibration::RegressOn;
 use super::number::{between, exposure_time};
@@ -114,33 +118,40 @@ pub struct BudgetArgs {
     #[arg(long, value_name = "FILE")]
     pub camera: PathBuf,
     /// Height above the ground, m, 10 to 20000.
-    #[arg(long, value_name = "M", default_value = "1000", value_parser = between(10.0, 20_000.0), allow_negative_numbers = true)]
+    #[arg(long, value_name = "M", default_value_t = HEIGHT_M.usual, value_parser = within(HEIGHT_M), allow_negative_numbers = true)]
     pub height_m: f64,
     /// Focus shift that was not measured, µm, 0 to 100; in addition to the stage's run-out.
-    #[arg(long, value_name = "UM", default_value = "5", value_parser = between(0.0, 100.0), allow_negative_numbers = true, help_heading = ADVANCED)]
+    #[arg(long, value_name = "UM", default_value_t = FOCUS_UM.usual, value_parser = within(FOCUS_UM), allow_negative_numbers = true, help_heading = ADVANCED)]
     pub focus_um: f64,
     /// Error of V/H, %, 0 to 50.
-    #[arg(long, value_name = "PERCENT", default_value = "1", value_parser = between(0.0, 50.0), allow_negative_numbers = true, help_heading = ADVANCED)]
+    #[arg(long, value_name = "PERCENT", default_value_t = VH_ERROR_PERCENT.usual, value_parser = within(VH_ERROR_PERCENT), allow_negative_numbers = true, help_heading = ADVANCED)]
     pub vh_error_percent: f64,
     /// Terrain above the height that V/H holds for, % of it, 0 to 50.
-    #[arg(long, value_name = "PERCENT", default_value = "10", value_parser = between(0.0, 50.0), allow_negative_numbers = true, help_heading = ADVANCED)]
+    #[arg(long, value_name = "PERCENT", default_value_t = RELIEF_PERCENT.usual, value_parser = within(RELIEF_PERCENT), allow_negative_numbers = true, help_heading = ADVANCED)]
     pub relief_percent: f64,
     /// Drift angle that is not compensated, degrees, 0 to 45.
-    #[arg(long, value_name = "DEG", default_value = "1", value_parser = between(0.0, 45.0), allow_negative_numbers = true, help_heading = ADVANCED)]
+    #[arg(long, value_name = "DEG", default_value_t = DRIFT_DEG.usual, value_parser = within(DRIFT_DEG), allow_negative_numbers = true, help_heading = ADVANCED)]
     pub drift_deg: f64,
     /// Rate of roll, of pitch and of yaw that the mount leaves, degrees per second, 0 to 60.
-    #[arg(long, value_name = "DEG_PER_S", default_value = "1", value_parser = between(0.0, 60.0), allow_negative_numbers = true, help_heading = ADVANCED)]
+    #[arg(long, value_name = "DEG_PER_S", default_value_t = RATE_DEG_S.usual, value_parser = within(RATE_DEG_S), allow_negative_numbers = true, help_heading = ADVANCED)]
     pub rate_deg_s: f64,
     /// Step of the stage's encoder, µm, 0 to 100.
-    #[arg(long, value_name = "UM", default_value = "1", value_parser = between(0.0, 100.0), allow_negative_numbers = true, help_heading = ADVANCED)]
+    #[arg(long, value_name = "UM", default_value_t = ENCODER_UM.usual, value_parser = within(ENCODER_UM), allow_negative_numbers = true, help_heading = ADVANCED)]
     pub encoder_um: f64,
     /// Error of the time stamp against position and attitude, ms, 0 to 100.
-    #[arg(long, value_name = "MS", default_value = "0.1", value_parser = between(0.0, 100.0), allow_negative_numbers = true, help_heading = ADVANCED)]
+    #[arg(long, value_name = "MS", default_value_t = TIMING_MS.usual, value_parser = within(TIMING_MS), allow_negative_numbers = true, help_heading = ADVANCED)]
     pub timing_ms: f64,
     /// Folder for report.html, summary.json and the figure (budget.svg, budget.png); made if it
     /// does not exist.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+}
+
+/// Returns a reader of numbers that a quantity may have.
+fn within(
+    Quantity { least, most, .. }: Quantity,
+) -> impl Fn(&str) -> Result<f64, String> + Clone + Send + Sync + 'static {
+    between(least, most)
 }
 
 /// Arguments of `strip`.

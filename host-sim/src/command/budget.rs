@@ -1,7 +1,7 @@
 //! `budget`: the cost of each source of error for a camera.
 
 use fmc_report::budget::{dots, page, summary, table};
-use fmc_simulation::budget::assumptions::Assumptions;
+use fmc_simulation::budget::assumptions::{Assumptions, Stated};
 use fmc_simulation::budget::result::Budget;
 use fmc_simulation::budget::run;
 
@@ -10,10 +10,7 @@ use crate::failure::{Failure, note};
 use crate::formats::output::{self, OutputFolder};
 
 pub(super) fn run(args: &BudgetArgs) -> Result<(), Failure> {
-    let (camera, _) = super::read_camera(
-        &args.camera,
-        "its shares are those of the polynomial's terms, and a grid has none among them",
-    )?;
+    let (camera, _) = super::read_camera(&args.camera, run::WITHOUT_GRIDS)?;
     let budget = run::budget(&camera, assumptions(args))
         .map_err(|error| Failure::bad_input(format!("{}: {error}", args.camera.display())))?;
     if let Some(out) = &args.out {
@@ -28,16 +25,17 @@ pub(super) fn run(args: &BudgetArgs) -> Result<(), Failure> {
 }
 
 fn assumptions(args: &BudgetArgs) -> Assumptions {
-    Assumptions {
+    let stated = Stated {
         height_m: args.height_m,
-        focus_mm: args.focus_um / 1000.0,
-        vh_error: args.vh_error_percent / 100.0,
-        relief: args.relief_percent / 100.0,
+        focus_um: args.focus_um,
+        vh_error_percent: args.vh_error_percent,
+        relief_percent: args.relief_percent,
         drift_deg: args.drift_deg,
         rate_deg_s: args.rate_deg_s,
-        encoder_mm: args.encoder_um / 1000.0,
-        timing_s: args.timing_ms / 1000.0,
-    }
+        encoder_um: args.encoder_um,
+        timing_ms: args.timing_ms,
+    };
+    stated.into()
 }
 
 /// Writes report.html, summary.json and the figure.

@@ -9,5 +9,4 @@ pub mod npy_header;
 pub mod observations;
 pub mod orientation;
 pub mod output;
-pub mod part;
 pub mod points;

@@ -6,9 +6,10 @@ use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 use fmc_camera_file::InputError;
+use fmc_output::file_set::FileSet;
+use fmc_output::unfinished;
 use serde::Serialize;
 
-use super::part::Part;
 use crate::failure::Failure;
 
 /// Writes to standard output, or to a file that appears only when it is complete.
@@ -125,43 +126,10 @@ fn write_file(
     path: &Path,
     body: impl FnOnce(&mut dyn Write) -> Result<(), Stopped>,
 ) -> Result<(), Stopped> {
-    match unfinished(path, body)? {
+    match unfinished::write(path, body)? {
         Some(part) => Ok(part.complete()?),
         None => Ok(()),
     }
-}
-
-/// Writes a file that has no name yet, or a device, which is then complete.
-fn unfinished(
-    path: &Path,
-    body: impl FnOnce(&mut dyn Write) -> Result<(), Stopped>,
-) -> Result<Option<Part>, Stopped> {
-    let path = match fs::metadata(path) {
-        // A pipe or a device is written in place: renaming would replace it.
-        Ok(existing) if !existing.is_file() && !existing.is_dir() => {
-            let mut file = BufWriter::new(File::options().write(true).open(path)?);
-            body(&mut file)?;
-            file.flush()?;
-            return Ok(None);
-        }
-        Ok(existing) if existing.is_dir() => {
-            return Err(io::Error::from(io::ErrorKind::IsADirectory).into());
-        }
-        Ok(existing) if existing.permissions().readonly() => {
-            return Err(io::Error::from(io::ErrorKind::PermissionDenied).into());
-        }
-        // A symbolic link stays one, whether its target exists or not.
-        Ok(_) => fs::canonicalize(path)?,
-        Err(_) => match fs::read_link(path) {
-            Ok(target) => path.parent().unwrap_or(Path::new("")).join(target),
-            Err(_) => path.to_path_buf(),
-        },
-    };
-    let part = Part::create(path)?;
-    let mut file = BufWriter::new(part);
-    body(&mut file)?;
-    let part = file.into_inner().map_err(io::IntoInnerError::into_error)?;
-    Ok(Some(part))
 }
 
 /// A folder that receives files, each only when it is complete; other files in it are left alone.
@@ -227,7 +195,7 @@ impl OutputFolder {
 #[derive(Debug)]
 pub struct OutputSet<'a> {
     folder: &'a OutputFolder,
-    parts: Vec<(PathBuf, Part)>,
+    files: FileSet,
 }
 
 impl<'a> OutputSet<'a> {
@@ -236,7 +204,7 @@ impl<'a> OutputSet<'a> {
     pub fn new(folder: &'a OutputFolder) -> Self {
         Self {
             folder,
-            parts: Vec::new(),
+            files: FileSet::default(),
         }
     }
 
@@ -262,14 +230,8 @@ impl<'a> OutputSet<'a> {
         body: impl FnOnce(&mut dyn Write) -> Result<(), Stopped>,
     ) -> Result<(), Failure> {
         let path = self.folder.path.join(name);
-        let written = unfinished(&path, body).and_then(|part| match part {
-            // On the disk now: nothing is waited for between the names of the first and the last.
-            Some(mut part) => Ok(part.file_mut().sync_all().map(|()| Some(part))?),
-            None => Ok(None),
-        });
-        let part = written.map_err(|stopped| stopped.failure(path.display()))?;
-        self.parts.extend(part.map(|part| (path, part)));
-        Ok(())
+        let written = self.files.write(&path, body);
+        written.map_err(|stopped| stopped.failure(path.display()))
     }
 
     /// Writes a value as one file of the set, in JSON.
@@ -285,11 +247,8 @@ impl<'a> OutputSet<'a> {
     /// # Errors
     /// [`Failure`] naming the file.
     pub fn complete(self) -> Result<(), Failure> {
-        for (path, part) in self.parts {
-            let completed = part.complete();
-            completed.map_err(|error| Failure::writing(path.display(), &error))?;
-        }
-        Ok(())
+        let completed = self.files.complete();
+        completed.map_err(|file| Failure::writing(file.path.display(), &file.error))
     }
 }
 

@@ -10,8 +10,10 @@ Guide: docs/python.md of the project.
 """
 
 from fmc_camera._core import (
+    Budget,
     Camera,
     Error,
+    Figure,
     Folds,
     Frame,
     Frames,
@@ -28,8 +30,10 @@ from fmc_camera._core import (
 )
 
 __all__ = [
+    "Budget",
     "Camera",
     "Error",
+    "Figure",
     "Folds",
     "Frame",
     "Frames",

@@ -2,14 +2,16 @@
 
 from collections.abc import Mapping
 from os import PathLike
-from typing import Any, Literal, TypeVar, final, overload
+from typing import Any, Literal, TypedDict, TypeVar, final, overload, type_check_only
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 __all__ = [
+    "Budget",
     "Camera",
     "Error",
+    "Figure",
     "Folds",
     "Frame",
     "Frames",
@@ -122,6 +124,48 @@ class Camera:
     def reference(
         self, points: ArrayLike, frame: Frame, *, out: None = None, inplace: bool = False
     ) -> NDArray[Any]: ...
+    def budget(
+        self,
+        *,
+        height_m: float = 1000.0,
+        focus_um: float = 5.0,
+        vh_error_percent: float = 1.0,
+        relief_percent: float = 10.0,
+        drift_deg: float = 1.0,
+        rate_deg_s: float = 1.0,
+        encoder_um: float = 1.0,
+        timing_ms: float = 0.1,
+    ) -> Budget: ...
+    def plot(self, frame: Frame | None = None) -> Figure: ...
+
+@type_check_only
+class _Term(TypedDict):
+    source: str
+    kind: Literal["position", "smear"]
+    removed: bool
+    paper_um: float | None
+    limits_um: float
+    limits_px: float
+    limits_ground_cm: float
+
+@final
+class Budget:
+    @property
+    def camera(self) -> str: ...
+    @property
+    def height_m(self) -> float: ...
+    @property
+    def terms(self) -> list[_Term]: ...
+    def plot(self) -> Figure: ...
+    def _repr_html_(self) -> str: ...
+
+@final
+class Figure:
+    @property
+    def svg(self) -> str: ...
+    def save(self, path: str | PathLike[str]) -> None: ...
+    def _repr_svg_(self) -> str: ...
+    def _repr_html_(self) -> str: ...
 
 @final
 class Frame:

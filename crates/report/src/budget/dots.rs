@@ -10,6 +10,7 @@ use crate::figure::{
     self, Area, Backend, FONT, FigureError, GRID, INK, SMALL, TITLE, WIDTH, pixels, text, text_at,
 };
 use crate::legend::{self, Entry, Mark};
+#[cfg(feature = "full")]
 use crate::picture;
 
 const TOP: i32 = 150;
@@ -41,6 +42,7 @@ pub fn svg(budget: &Budget) -> Result<String, FigureError> {
 ///
 /// # Errors
 /// As [`svg`].
+#[cfg(feature = "full")]
 pub fn png(budget: &Budget) -> Result<Vec<u8>, FigureError> {
     picture::png(size(budget)?, |canvas| draw(canvas, budget))
 }

@@ -15,6 +15,22 @@ struct Page {
     figure: String,
 }
 
+/// The table of the page alone.
+#[derive(Template)]
+#[template(path = "budget_table.html")]
+struct Rows {
+    results: BudgetResults,
+}
+
+/// Writes the table of a budget as a part of an HTML page.
+///
+/// # Errors
+/// [`PageError`] if the template fails.
+pub fn rows(budget: &Budget) -> Result<String, PageError> {
+    let results = BudgetResults::of(budget);
+    Ok(Rows { results }.render()?)
+}
+
 /// Writes the whole budget as one HTML page, with the figure in it.
 ///
 /// # Errors

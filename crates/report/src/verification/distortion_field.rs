@@ -7,16 +7,36 @@ use crate::arrow_field::ArrowField;
 use crate::figure::FigureError;
 use crate::{length, wording};
 
+/// The camera whose distortion is drawn.
+#[derive(Debug, Clone, Copy)]
+pub struct Sensor<'a> {
+    /// Name of the camera.
+    pub name: &'a str,
+    /// Width and height of the sensor, mm.
+    pub format_mm: [f64; 2],
+    /// The FMC axis as the camera file spells it.
+    pub axis: &'a str,
+}
+
+/// The exposure by which the distortion is changed.
+#[derive(Debug, Clone, Copy)]
+pub struct ChangedBy<'a> {
+    /// η = V/H, 1/s.
+    pub vh_per_s: f64,
+    /// t, s.
+    pub exposure_s: f64,
+    /// δ, mm.
+    pub travel_mm: f64,
+    /// `centred`, `from-rest` or `tdi`; another text is taken as it is.
+    pub strategy: &'a str,
+}
+
 /// Draws the static distortion, measured - ideal, in SVG.
 ///
 /// # Errors
 /// [`FigureError`] without exposures or if the drawing fails.
 pub fn distortion(camera: &CameraResult) -> Result<String, FigureError> {
-    let titles = [
-        "Static distortion, measured − ideal".to_owned(),
-        camera.name.clone(),
-    ];
-    draw(camera, &titles, |point| point.static_mm)
+    of_lens(sensor(camera), &arrows(camera, |point| point.static_mm))
 }
 
 /// Draws the change of the static distortion in the exposure with the largest change, in SVG.
@@ -28,38 +48,71 @@ pub fn dynamic(camera: &CameraResult) -> Result<String, FigureError> {
         .frames
         .get(camera.field.frame)
         .ok_or(FigureError::NothingToDraw)?;
+    let exposure = ChangedBy {
+        vh_per_s: frame.vh_per_s,
+        exposure_s: frame.exposure_s,
+        travel_mm: frame.travel_mm,
+        strategy: frame.strategy,
+    };
+    let arrows = arrows(camera, |point| point.dynamic_mm);
+    of_exposure(sensor(camera), &exposure, &arrows)
+}
+
+/// Draws the static distortion, measured - ideal, in SVG.
+///
+/// # Errors
+/// [`FigureError`] without arrows or if the drawing fails.
+pub fn of_lens(sensor: Sensor<'_>, arrows: &[Arrow]) -> Result<String, FigureError> {
+    let title = "Static distortion, measured − ideal".to_owned();
+    draw(sensor, [title, sensor.name.to_owned()], arrows)
+}
+
+/// Draws the change of the static distortion by an exposure, in SVG.
+///
+/// # Errors
+/// [`FigureError`] without arrows or if the drawing fails.
+pub fn of_exposure(
+    sensor: Sensor<'_>,
+    exposure: &ChangedBy<'_>,
+    arrows: &[Arrow],
+) -> Result<String, FigureError> {
     let titles = [
         "Dynamic change: strict exposure mean − static".to_owned(),
         format!(
             "V/H {}, {}, δ {}, {}",
-            wording::vh(frame.vh_per_s),
-            wording::exposure(frame.exposure_s),
-            length::text(frame.travel_mm),
-            wording::strategy(frame.strategy)
+            wording::vh(exposure.vh_per_s),
+            wording::exposure(exposure.exposure_s),
+            length::text(exposure.travel_mm),
+            wording::strategy(exposure.strategy)
         ),
     ];
-    draw(camera, &titles, |point| point.dynamic_mm)
+    draw(sensor, titles, arrows)
 }
 
-fn draw(
-    camera: &CameraResult,
-    titles: &[String; 2],
-    displacement: impl Fn(&FieldPoint) -> [f64; 2],
-) -> Result<String, FigureError> {
-    let arrows: Vec<Arrow> = camera
-        .field
-        .points
-        .iter()
+fn sensor(camera: &CameraResult) -> Sensor<'_> {
+    Sensor {
+        name: &camera.name,
+        format_mm: camera.format_mm,
+        axis: camera.axis,
+    }
+}
+
+fn arrows(camera: &CameraResult, displacement: impl Fn(&FieldPoint) -> [f64; 2]) -> Vec<Arrow> {
+    let points = camera.field.points.iter();
+    points
         .map(|point| Arrow {
             from_mm: point.point_mm,
             displacement_mm: displacement(point),
         })
-        .collect();
+        .collect()
+}
+
+fn draw(sensor: Sensor<'_>, titles: [String; 2], arrows: &[Arrow]) -> Result<String, FigureError> {
     ArrowField {
-        titles: titles.clone(),
-        format_mm: camera.format_mm,
-        axis: camera.axis,
-        arrows: &arrows,
+        titles,
+        format_mm: sensor.format_mm,
+        axis: sensor.axis,
+        arrows,
     }
     .svg()
 }

@@ -16,6 +16,10 @@ use super::assumptions::{Assumptions, FOCUS_REMAINDER};
 use super::result::{Budget, Exposures, Source, Term};
 use crate::smear::term::{self, Disturbances, NotBelievable};
 
+/// Reason why a camera with residual grids has no budget.
+pub const WITHOUT_GRIDS: &str =
+    "its shares are those of the polynomial's terms, and a grid has none among them";
+
 /// Error of a budget.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum BudgetError {

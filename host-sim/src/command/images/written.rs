@@ -4,6 +4,7 @@ use std::fs::File;
 use std::io::{BufWriter, Write as _};
 use std::path::Path;
 
+use fmc_output::part::Part;
 use fmc_raster::{
     ByteOrder, ChunkEncoder, Chunks, Compression, FramePlan, Header, Metadata, PlanOptions, Sample,
     TagOptions, TiffFile, WriteError,
@@ -11,7 +12,6 @@ use fmc_raster::{
 use rayon::prelude::*;
 
 use crate::failure::Failure;
-use crate::formats::part::Part;
 
 /// Rows of a strip, which are computed at once.
 const STRIP_ROWS: u32 = 16;

@@ -6,6 +6,7 @@ use std::path::Path;
 
 use fmc_camera::geometry::sensor::SensorPoint;
 use fmc_camera_file::{CameraFile, number::single};
+use fmc_output::part::Part;
 use fmc_raster::{FramePlan, FrameReader, Header, PlanOptions, RectifiedCamera, TagOptions};
 use fmc_rectification::{Centre, Rectification, Request, Window};
 use rayon::{ThreadPool, ThreadPoolBuilder};
@@ -20,7 +21,6 @@ use super::task::FrameTask;
 use crate::cli::RectifyArgs;
 use crate::failure::Failure;
 use crate::formats::output::OutputFolder;
-use crate::formats::part::Part;
 
 /// Rectifies the frames of a block, one by one.
 #[derive(Debug)]

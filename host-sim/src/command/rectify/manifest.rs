@@ -6,11 +6,11 @@ use std::io::{self, Read as _, Seek as _, SeekFrom, Write as _};
 use std::path::{Path, PathBuf};
 
 use csv::{ReaderBuilder, StringRecord, WriterBuilder};
+use fmc_output::part::Part;
 use serde::Serialize;
 
 use crate::cli::Shard;
 use crate::failure::Failure;
-use crate::formats::part::Part;
 
 /// Names of the columns.
 const COLUMNS: [&str; 10] = [
