@@ -13,9 +13,10 @@ use super::play::PLAY_SIGMA_PART;
 /// stage against the axis is behind it by the play p, so the reading there less the reading on the
 /// way along the axis is `w - p`, whatever the counts, the zero or the place of the mark. Play that
 /// grows makes it smaller; and so do counts that are lost in between, which the next crossing along
-/// the axis shows apart. The width is nobody's setting: the slowest and steadiest pair of crossings
-/// since the camera was prepared is the reference: that of arming, until a slower one agrees with
-/// it within the steps. With the notation of
+/// the axis shows apart, and an encoder that counts another length from a place near the mark on,
+/// which that crossing does not show. The width is nobody's setting: the slowest and steadiest pair
+/// of crossings since the camera was prepared is the reference: that of arming, until a slower one
+/// agrees with it within the steps. With the notation of
 /// [`IndexWatch`](super::index_watch::IndexWatch) for each pair, v and u the sums of both speeds, d
 /// and c of both changes, the difference g of two pairs agrees up to
 ///
@@ -23,14 +24,14 @@ use super::play::PLAY_SIGMA_PART;
 /// q·(1 + 2·t/T) + 5·√(2·σ_i² + ((v - u)·σ_t)²) + 2·t·(d + c)
 /// ```
 ///
-/// Each pair has four roundings to a step instead of two, of which chance exceeds one in thirty
-/// times alone, and the whole never.
+/// The four roundings of two pairs to a step exceed the first term in one of thirty cases.
 ///
 /// # σ of a record
 /// Where a pair agrees, [`OFF_PART`] of g beyond the steps, else all of it, is σ of the records
-/// that hold the play: those of a flight against the axis, with the encoder on the screw. Play that
-/// has grown since the last pair is in the records in between: they are in doubt where g is beyond
-/// [`SUSPECT_SIGMA`] of what their σ holds.
+/// that hold the play: those of a flight against the axis, with the encoder on the screw. What has
+/// changed since the last pair may be in the records in between: they are in doubt where g is
+/// beyond [`SUSPECT_SIGMA`] of what their σ holds. Records of a pair that does not agree have the
+/// flag `unreferenced`, in any flight: it may be the play or the encoder.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct PlayWatch {
     /// The last crossing along the axis that agreed with the mark.
@@ -39,6 +40,8 @@ pub(crate) struct PlayWatch {
     reference: Option<Passage>,
     /// σ of a play that has grown, mm.
     off_mm: f32,
+    /// The last pair was outside the tolerance.
+    disagrees: bool,
     /// The mark has been crossed against the axis since the last crossing along it.
     is_seen: bool,
     /// The last frame has led across the mark against the axis.
@@ -63,6 +66,7 @@ impl PlayWatch {
             along: None,
             reference: None,
             off_mm: 0.0,
+            disagrees: false,
             is_seen: false,
             is_awaited: false,
         }
@@ -77,7 +81,17 @@ impl PlayWatch {
     /// Notes if the frame has led across the mark against the axis. A crossing is awaited where
     /// there have been any: a drive may latch those along the axis alone.
     pub(crate) const fn expect(&mut self, is_expected: bool) {
-        self.is_awaited = is_expected && self.reference.is_some();
+        self.is_awaited = is_expected && self.has_reference();
+    }
+
+    /// Returns `true` if there is a pair that others are compared with.
+    pub(crate) const fn has_reference(&self) -> bool {
+        self.reference.is_some()
+    }
+
+    /// Returns `true` if the last pair was outside the tolerance.
+    pub(crate) const fn disagrees(&self) -> bool {
+        self.disagrees
     }
 
     /// Takes a crossing along the axis; `None` is one that did not agree with the mark. Returns
@@ -88,11 +102,13 @@ impl PlayWatch {
         core::mem::replace(&mut self.is_awaited, false) && !is_seen
     }
 
-    /// Takes a crossing against the axis. Returns `None` if there is nothing to compare it with.
+    /// Takes a crossing against the axis; `is_play_held` if σ of the records holds that of the play
+    /// ([`is_play_in_error`]). Returns `None` if there is nothing to compare it with.
     pub(crate) fn cross_against(
         &mut self,
         crossing: &Crossing,
         drive: &DriveSettings,
+        is_play_held: bool,
     ) -> Option<Compared> {
         self.is_seen = true;
         let along = self.along?;
@@ -115,9 +131,14 @@ impl PlayWatch {
             + uneven_mm(drive, latest.change_mm_s + reference.change_mm_s);
         let beyond_mm = (libm::fabsf(off_mm) - steps_mm).max(0.0);
         let agrees = libm::fabsf(off_mm) <= tolerance_mm;
-        let of_play_mm = PLAY_SIGMA_PART * drive.unseen_play_mm();
+        let of_play_mm = if is_play_held {
+            PLAY_SIGMA_PART * drive.unseen_play_mm()
+        } else {
+            0.0
+        };
         let held_mm = libm::hypotf(UNSEEN_PART * tolerance_mm, of_play_mm);
         let covered_mm = SUSPECT_SIGMA * libm::hypotf(held_mm, self.off_mm);
+        self.disagrees = !agrees;
         self.off_mm = if agrees {
             OFF_PART * beyond_mm
         } else {

@@ -10,15 +10,15 @@ use super::in_doubt::InDoubt;
 /// the mark is not seen any more or the force is taken off, what it would have shown may be in the
 /// record: the record is left in doubt.
 ///
-/// In a flight against the axis with an encoder on the screw, a record also waits for a crossing
-/// against the axis, which shows if the play has grown
+/// A record also waits for a pair of crossings, along the axis and against it, which shows if the
+/// play has grown or the encoder counts another length
 /// ([`PlayWatch`](super::play_watch::PlayWatch)).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Unconfirmed {
     /// The last record that was compared with the mark, until a crossing confirms its counts.
     counts: Option<u32>,
-    /// The first record since the last crossing that shows the play.
-    play_from: Option<u32>,
+    /// The first record since the last pair of crossings.
+    pair_from: Option<u32>,
     /// The last record.
     last: u32,
     /// σ of the counts that may be lost unseen in one record, mm.
@@ -31,8 +31,8 @@ pub(crate) struct Waiting {
     pub(crate) sequence: u32,
     /// It has been compared with the mark.
     pub(crate) is_referenced: bool,
-    /// Play that has grown is in its error.
-    pub(crate) depends_on_play: bool,
+    /// The camera has pairs of crossings, which it waits for.
+    pub(crate) awaits_pair: bool,
     /// σ of the counts that may be lost unseen in it, mm.
     pub(crate) lost_mm: f32,
 }
@@ -42,7 +42,7 @@ impl Unconfirmed {
     pub(crate) const fn new() -> Self {
         Self {
             counts: None,
-            play_from: None,
+            pair_from: None,
             last: 0,
             lost_mm: 0.0,
         }
@@ -53,8 +53,8 @@ impl Unconfirmed {
         if record.is_referenced {
             self.counts = Some(record.sequence);
         }
-        if record.depends_on_play {
-            self.play_from.get_or_insert(record.sequence);
+        if record.awaits_pair {
+            self.pair_from.get_or_insert(record.sequence);
         }
         self.last = record.sequence;
         self.lost_mm = record.lost_mm;
@@ -65,10 +65,9 @@ impl Unconfirmed {
         self.counts = None;
     }
 
-    /// Notes that a crossing has told of the play. Returns the first record before it since another
-    /// one has.
-    pub(crate) const fn confirm_play(&mut self) -> Option<u32> {
-        self.play_from.take()
+    /// Notes a pair of crossings. Returns the first record since another one.
+    pub(crate) const fn confirm_pair(&mut self) -> Option<u32> {
+        self.pair_from.take()
     }
 
     /// Returns the record whose counts no crossing will confirm any more.
@@ -77,18 +76,18 @@ impl Unconfirmed {
         Some(InDoubt::between([sequence; 2], self.lost_mm, false))
     }
 
-    /// Returns the last record, if its play has not been confirmed.
-    pub(crate) fn take_play(&mut self) -> Option<InDoubt> {
-        self.play_from.take()?;
+    /// Returns the last record, if no pair of crossings has come since.
+    pub(crate) fn take_pair(&mut self) -> Option<InDoubt> {
+        self.pair_from.take()?;
         Some(InDoubt::between([self.last; 2], self.lost_mm, false))
     }
 
-    /// Returns the last record, if no crossing has confirmed its counts or its play.
+    /// Returns the last record, if no crossing or no pair of crossings has come since.
     pub(crate) fn take(&mut self) -> Option<InDoubt> {
-        let play = self.take_play();
-        match (self.take_counts(), play) {
-            (Some(counts), Some(play)) => Some(counts.with(play)),
-            (counts, play) => counts.or(play),
+        let pair = self.take_pair();
+        match (self.take_counts(), pair) {
+            (Some(counts), Some(pair)) => Some(counts.with(pair)),
+            (counts, pair) => counts.or(pair),
         }
     }
 }
@@ -99,11 +98,11 @@ mod tests {
 
     const LOST_MM: f32 = 0.009;
 
-    fn record(sequence: u32, is_referenced: bool, depends_on_play: bool) -> Waiting {
+    fn record(sequence: u32, is_referenced: bool, awaits_pair: bool) -> Waiting {
         Waiting {
             sequence,
             is_referenced,
-            depends_on_play,
+            awaits_pair,
             lost_mm: LOST_MM,
         }
     }
@@ -127,18 +126,18 @@ mod tests {
     }
 
     #[test]
-    fn record_waits_for_the_play_apart_from_its_counts() {
+    fn record_waits_for_a_pair_of_crossings_apart_from_its_counts() {
         let mut unconfirmed = Unconfirmed::new();
         unconfirmed.wait(&record(3, true, true));
         unconfirmed.confirm_counts();
         unconfirmed.wait(&record(4, true, true));
         unconfirmed.confirm_counts();
-        // All since are asked about where the play has grown, the last where nobody knows.
-        assert_eq!(unconfirmed.take_play(), of([4, 4]));
+        // All since are asked about where a pair differs, the last where none comes.
+        assert_eq!(unconfirmed.take_pair(), of([4, 4]));
         unconfirmed.wait(&record(5, true, true));
         unconfirmed.wait(&record(6, true, true));
-        assert_eq!(unconfirmed.confirm_play(), Some(5));
-        assert_eq!(unconfirmed.confirm_play(), None);
+        assert_eq!(unconfirmed.confirm_pair(), Some(5));
+        assert_eq!(unconfirmed.confirm_pair(), None);
         unconfirmed.wait(&record(7, true, true));
         unconfirmed.wait(&record(8, false, true));
         assert_eq!(unconfirmed.take(), of([7, 8]));

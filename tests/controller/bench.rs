@@ -4,6 +4,7 @@ use fmc_camera::flight::calibration_id::Storage;
 use fmc_camera::flight::controller::Start;
 use fmc_camera::flight::controller::state::State;
 use fmc_camera::flight::drive::StageReading;
+use fmc_camera::flight::drive::settings::EncoderSide;
 use fmc_camera::flight::event::{Action, Command, Event, ShutterEdge};
 use fmc_camera::flight::frame_record::{ExposedFrame, FrameRecord, Outcome};
 use fmc_camera::flight::prepared_camera::PreparedCamera;
@@ -50,7 +51,7 @@ pub(crate) struct Bench {
     set_mm: f32,
     /// `true` if the index mark is seen.
     pub(crate) index_is_seen: bool,
-    /// Growth of the play between screw and stage, mm; the encoder is on the screw.
+    /// Growth of the play between screw and stage, mm.
     pub(crate) play_grown_mm: f32,
     /// `true` if the shutter obeys.
     pub(crate) shutter_obeys: bool,
@@ -174,7 +175,10 @@ impl Bench {
         let Some(index_mm) = drive.index_mm.filter(|_| self.index_is_seen) else {
             return;
         };
-        let play_mm = 1e-3 * drive.play_um + self.play_grown_mm;
+        let play_mm = match drive.encoder_side {
+            EncoderSide::Screw => 1e-3 * drive.play_um + self.play_grown_mm,
+            EncoderSide::Stage => 0.0,
+        };
         let upper_mm = index_mm + INDEX_WIDTH_MM - play_mm;
         let edge_mm = if before_mm < index_mm && index_mm <= after_mm {
             Some(index_mm)

@@ -74,12 +74,9 @@ fn play_that_grows_is_in_sigma_or_in_doubt_in_a_flight_against_the_axis() {
                     "{case}: {record:?}"
                 );
             }
-            // The records between the last crossing before it and the first after it.
+            // From the last crossing before it on.
             let flags: Vec<bool> = records.iter().map(is_unreferenced).collect();
-            assert!(
-                !flags[0] && (flags[1] || flags[2]) && !flags[3..].contains(&true),
-                "{case}"
-            );
+            assert!(!flags[0] && !flags[3..].contains(&false), "{case}");
             assert_eq!(doubts(&bench), 1, "{case}");
             assert!(
                 records.iter().all(|record| record.faults == Faults::NONE),
@@ -90,7 +87,7 @@ fn play_that_grows_is_in_sigma_or_in_doubt_in_a_flight_against_the_axis() {
 }
 
 #[test]
-fn play_that_grows_costs_nothing_along_the_axis_or_with_the_encoder_on_the_stage() {
+fn play_that_grows_is_told_along_the_axis_and_unknown_with_the_encoder_on_the_stage() {
     for (direction, encoder_side) in [
         (FlightDirection::Forward, EncoderSide::Screw),
         (FlightDirection::Forward, EncoderSide::Stage),
@@ -103,14 +100,17 @@ fn play_that_grows_costs_nothing_along_the_axis_or_with_the_encoder_on_the_stage
         settings.drive.encoder_side = encoder_side;
         let mut bench = Bench::new(settings);
         bench.arm();
-        for _ in 0..4 {
+        for frame in 0..5 {
             fly_frame(&mut bench);
-            bench.play_grown_mm = 0.02;
+            bench.play_grown_mm = if frame < 1 { 0.0 } else { 0.02 };
         }
         let records = bench.records();
-        assert_eq!(doubts(&bench), 0);
-        assert!(records.iter().all(|record| !is_unreferenced(record)));
-        let growth = sigma_mm(&records[3]) / sigma_mm(&records[1]);
+        // It may be the encoder, too.
+        let is_told = encoder_side == EncoderSide::Screw;
+        assert_eq!(doubts(&bench), usize::from(is_told));
+        let flags: Vec<bool> = records.iter().map(is_unreferenced).collect();
+        assert_eq!(flags, [false, false, is_told, is_told, is_told]);
+        let growth = sigma_mm(&records[4]) / sigma_mm(&records[1]);
         assert!((growth - 1.0).abs() < 1e-3, "{growth}");
     }
 }
@@ -126,7 +126,7 @@ fn growth_that_was_known_is_known_after_another_arming() {
     fly_frame(&mut bench);
     let record = bench.records()[1];
     assert!(sigma_mm(&record) > 0.9 * 0.02, "{record:?}");
-    assert!(!is_unreferenced(&record));
+    assert!(is_unreferenced(&record));
 }
 
 #[test]
@@ -163,7 +163,7 @@ fn record_that_the_way_back_has_confirmed_is_not_in_doubt() {
     fly_frame(&mut bench);
     bench.send(Event::Drive(Fault::Drive));
     assert_eq!(doubts(&bench), 0);
-    // Counts that were lost in the exposure show on the way back, and do not confirm it.
+    // Counts that were lost in the exposure show on the way back.
     let mut settings = settings();
     settings.drive.index_mm = Some(-0.05);
     let mut bench = Bench::new(settings);
@@ -173,9 +173,10 @@ fn record_that_the_way_back_has_confirmed_is_not_in_doubt() {
     bench.run_until(100, |state| state == State::Exposing);
     bench.added_mm = 0.002;
     bench.run(200);
-    assert_eq!(doubts(&bench), 0, "the play may have grown");
-    bench.send(Event::Drive(Fault::Drive));
-    assert!(is_unreferenced(&bench.records()[1]));
+    assert_eq!(doubts(&bench), 1);
+    let record = bench.records()[1];
+    assert!(is_unreferenced(&record) && sigma_mm(&record) > 0.9 * 0.002);
+    assert_eq!(record.faults, Faults::NONE, "it may be the play");
 }
 
 #[test]

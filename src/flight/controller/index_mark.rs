@@ -50,7 +50,8 @@ impl Controller {
         act(actions, Action::InDoubt(exposures));
     }
 
-    /// Lets a record wait for the crossings that confirm it, unless its motion is not the encoder's.
+    /// Lets a record wait for the crossings that confirm it, unless its motion is not that of the
+    /// encoder.
     pub(super) fn await_crossings(&mut self, setup: &Setup, now: Time, recorded: &Recorded) {
         let drive = &setup.settings.drive;
         let to_mm = self.stage.place_mm(now);
@@ -60,11 +61,10 @@ impl Controller {
             .index_sides()
             .filter(|_| recorded.is_measured)
         {
-            let sign = setup.settings.direction.sign();
             stage.unconfirmed.wait(&Waiting {
                 sequence: recorded.sequence,
                 is_referenced: stage.index.is_referenced(drive),
-                depends_on_play: is_play_in_error(drive, stage.is_pushed_along(), sign),
+                awaits_pair: stage.play_watch.has_reference(),
                 lost_mm: lost_sigma_mm(setup.stage_tolerance().unseen_mm(), 1.0),
             });
             let is_expected = stage.index.has_led_down(to_mm, &sides);
@@ -93,7 +93,7 @@ impl Controller {
             self.report(Fault::IndexMark, actions);
         }
         if (way.is_newly_missed || way.is_overdue)
-            && let Some(exposures) = self.stage.unconfirmed.take()
+            && let Some(exposures) = self.stage.unconfirmed.take_counts()
         {
             self.doubt(exposures, actions);
         }
@@ -160,25 +160,29 @@ impl StageMachine {
         let doubted = self.index.cross(crossing, drive);
         let has_agreed = self.index.is_referenced(drive);
         let agreed = has_agreed.then(|| crossing.passage(drive));
-        let is_play_missed = self.play_watch.cross_along(agreed);
+        let is_pair_missed = self.play_watch.cross_along(agreed);
         self.unconfirmed.confirm_counts();
         if !has_agreed {
-            self.unconfirmed.confirm_play();
+            self.unconfirmed.confirm_pair();
         }
-        let unseen = is_play_missed.then(|| self.unconfirmed.take_play());
+        let unseen = is_pair_missed.then(|| self.unconfirmed.take_pair());
         doubted.or(unseen.flatten())
     }
 
-    /// Judges a crossing against the FMC axis, which tells of the play, and of counts that were
-    /// lost since the last crossing along it.
+    /// Judges a crossing against the FMC axis, which tells of the play, and of counts since the
+    /// last crossing along it.
     fn cross_against(&mut self, setup: &Setup, crossing: &Crossing) -> Option<InDoubt> {
+        let drive = &setup.settings.drive;
+        let sign = setup.settings.direction.sign();
+        let is_play_held = is_play_in_error(drive, true, sign);
         let compared = self
             .play_watch
-            .cross_against(crossing, &setup.settings.drive)?;
-        if compared.agrees {
+            .cross_against(crossing, drive, is_play_held)?;
+        // In a flight against the axis, the way back along it is to confirm the counts before.
+        if compared.agrees && sign > 0.0 {
             self.unconfirmed.confirm_counts();
         }
-        let from_sequence = self.unconfirmed.confirm_play()?;
+        let from_sequence = self.unconfirmed.confirm_pair()?;
         let range = [from_sequence, crossing.next_sequence.saturating_sub(1)];
         (!compared.is_covered).then(|| InDoubt::between(range, compared.off_mm, false))
     }

@@ -41,7 +41,7 @@ impl FrameMachine {
         let mut sigma = measured.sigma;
         if setup.camera.has_stage() {
             let drive = &setup.settings.drive;
-            if !stage.index.is_referenced(drive) {
+            if !stage.index.is_referenced(drive) || stage.play_watch.disagrees() {
                 flags.insert(Flag::Unreferenced);
             }
             if !flags.contains(Flag::PlannedMotion) {
