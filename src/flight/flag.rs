@@ -32,8 +32,8 @@ pub enum Flag {
     WithAttitude,
     /// Last light was not seen: the exposure is taken to have lasted as planned.
     LastLightAssumed,
-    /// The encoder was not compared with the index mark since the last record, or has been found
-    /// wrong at the next crossing of it.
+    /// The encoder was not compared with the index mark since the last record, has been found wrong
+    /// at the next crossing of it, or no next crossing has come.
     Unreferenced,
     /// A source of V/H gave a NaN or an infinity ([`VhFindingKind::NotANumber`]).
     VhNotANumber,

@@ -1,8 +1,10 @@
 //! Exposures whose principal points are in doubt.
 
 /// The exposures since the last crossing of the index mark that agreed within the encoder's steps,
-/// after one that did not agree; or those since the last crossing, after one that agrees only
-/// because uneven motion may explain its difference, but by more than their σ covers.
+/// after one that did not agree; those since the last crossing, after one that agrees only because
+/// uneven motion may explain its difference, but by more than their σ covers; those since the last
+/// crossing against the FMC axis, after one which shows that the play has grown by more than that;
+/// or one whose next crossing has not come.
 ///
 /// Records that are still kept get [`Flag::Unreferenced`](super::flag::Flag::Unreferenced), where
 /// [`Self::is_fault`] also [`Fault::Encoder`](super::fault::Fault::Encoder), and their σ covers
@@ -14,8 +16,9 @@
 pub struct InDoubt {
     /// Sequence number of the first.
     pub from_sequence: u32,
-    /// Reading of the encoder at the mark, less that of the crossing before, mm along the FMC axis:
-    /// principal points may be wrong by as much.
+    /// Reading of the encoder at the mark, less that of the crossing before, mm along the FMC axis,
+    /// or σ of the counts that may be lost where no crossing has come: principal points may be
+    /// wrong by as much.
     pub off_mm: f32,
     /// Number of triggers from the first to the last; [`u16::MAX`] stands for all since the first.
     pub triggers: u16,

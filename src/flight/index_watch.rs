@@ -5,22 +5,22 @@ use super::drive::settings::DriveSettings;
 use super::in_doubt::InDoubt;
 
 /// Number of σ by which two crossings may differ: one in a million does by chance alone.
-const AGREE_SIGMA: f32 = 5.0;
+pub(crate) const AGREE_SIGMA: f32 = 5.0;
 
 /// Part of a change of speed from one reading to the next by which the speed at the mark may be
 /// wrong: a stage that is pushed at a moment that nobody knows goes on at up to twice the change.
 const CHANGE_PART: f32 = 2.0;
 
 /// Part, as σ, of the counts that may be lost unseen: the tolerance of a crossing.
-const UNSEEN_PART: f32 = 0.15;
+pub(crate) const UNSEEN_PART: f32 = 0.15;
 
 /// Part, as σ, of a difference of two crossings that agree, beyond what the encoder's steps make:
 /// all of it if counts were lost, nothing if the motion was uneven.
-const OFF_PART: f32 = 0.5;
+pub(crate) const OFF_PART: f32 = 0.5;
 
 /// Number of σ of the records since the last crossing, by what they hold of it, beyond which the
 /// difference of the next leaves them in doubt.
-const SUSPECT_SIGMA: f32 = 3.0;
+pub(crate) const SUSPECT_SIGMA: f32 = 3.0;
 
 /// Reading of the encoder at the index mark, and the records that depend on it.
 ///
@@ -58,7 +58,7 @@ const SUSPECT_SIGMA: f32 = 3.0;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct IndexWatch {
     /// The slowest and steadiest crossing since the camera was armed.
-    reference: Option<Reference>,
+    reference: Option<Passage>,
     /// Difference of the last crossing from the reference, or from the settings if that is larger,
     /// beyond that which the encoder's steps make, mm.
     off_mm: f32,
@@ -86,15 +86,23 @@ pub(crate) struct IndexWatch {
     is_expected: bool,
 }
 
-/// A crossing that others are compared with.
+/// A crossing, or a pair of them, as it is compared with others.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Reference {
-    place_mm: f32,
-    speed_mm_s: f32,
-    change_mm_s: f32,
+pub(crate) struct Passage {
+    /// Place of the mark by the encoder, or the way between two, mm.
+    pub(crate) place_mm: f32,
+    /// Speed, mm/s.
+    pub(crate) speed_mm_s: f32,
+    /// Change of the speed between two readings, beyond what a step makes, mm/s.
+    pub(crate) change_mm_s: f32,
 }
 
-impl Reference {
+impl Passage {
+    /// Returns `true` if the stage was slower and steadier than in another.
+    pub(crate) fn is_better_than(&self, other: &Self) -> bool {
+        other.fastest_mm_s() > self.fastest_mm_s()
+    }
+
     /// Largest speed that the stage may have had.
     fn fastest_mm_s(&self) -> f32 {
         self.speed_mm_s + CHANGE_PART * self.change_mm_s
@@ -115,17 +123,41 @@ enum Detour {
     SearchUp,
 }
 
-/// A crossing of the mark with the screw pushing along the FMC axis.
+/// A reading of the encoder at the mark, until the next reading tells how fast the stage was.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct LatchedIndex {
+    /// Reading of the encoder, mm.
+    pub(crate) reading_mm: f32,
+    /// Number of the first record whose exposure has not ended.
+    pub(crate) next_sequence: u32,
+    /// The stage moves along the FMC axis.
+    pub(crate) is_along: bool,
+}
+
+/// A crossing of the mark with the screw pushing the stage.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Crossing {
     /// Reading of the encoder, as latched, mm.
     pub(crate) reading_mm: f32,
-    /// Speed, mm/s.
+    /// Speed, mm/s; negative against the FMC axis.
     pub(crate) speed_mm_s: f32,
     /// Change of the speed between two readings, mm/s.
     pub(crate) change_mm_s: f32,
     /// Number of the first record whose exposure has not ended.
     pub(crate) next_sequence: u32,
+}
+
+impl Crossing {
+    /// Returns the place of the mark that the reading gives, with its age.
+    pub(crate) fn passage(&self, drive: &DriveSettings) -> Passage {
+        // A step in a reading looks like a change.
+        let of_step_mm_s = 1e-3 * drive.encoder_step_um / TICK_S;
+        Passage {
+            place_mm: self.reading_mm + self.speed_mm_s * drive.velocity_loop.reading_age_s,
+            speed_mm_s: self.speed_mm_s,
+            change_mm_s: (self.change_mm_s - of_step_mm_s).max(0.0),
+        }
+    }
 }
 
 /// Places on both sides of the mark, mm, between which a way crosses it with the play taken up.
@@ -157,6 +189,8 @@ pub(crate) struct Way {
     pub(crate) to_mm: f32,
     /// The stage has been moved across the mark, and for the first time no crossing came.
     pub(crate) is_newly_missed: bool,
+    /// The last frame or the way before it has led across the mark, and no crossing came.
+    pub(crate) is_overdue: bool,
 }
 
 impl IndexWatch {
@@ -189,17 +223,10 @@ impl IndexWatch {
     /// Takes a crossing. Returns the exposures that it leaves in doubt: it does not agree with
     /// those before, or with the settings, or it agrees and σ does not cover its difference.
     pub(crate) fn cross(&mut self, crossing: &Crossing, drive: &DriveSettings) -> Option<InDoubt> {
-        let age_s = drive.velocity_loop.reading_age_s;
-        let place_mm = crossing.reading_mm + crossing.speed_mm_s * age_s;
+        let latest = crossing.passage(drive);
+        let place_mm = latest.place_mm;
         self.last_mm = Some(place_mm);
         let index_mm = drive.index_mm?;
-        // A step in a reading looks like a change.
-        let of_step_mm_s = 1e-3 * drive.encoder_step_um / TICK_S;
-        let latest = Reference {
-            place_mm,
-            speed_mm_s: crossing.speed_mm_s,
-            change_mm_s: (crossing.change_mm_s - of_step_mm_s).max(0.0),
-        };
         let (expected_mm, tolerance_mm) = match self.reference {
             Some(reference) => (
                 reference.place_mm,
@@ -218,7 +245,7 @@ impl IndexWatch {
         self.is_flown |= self.reference.is_some() && self.cycles > 0;
         let reference = self
             .reference
-            .filter(|reference| reference.fastest_mm_s() <= latest.fastest_mm_s())
+            .filter(|reference| !latest.is_better_than(reference))
             .unwrap_or(latest);
         self.reference = Some(reference);
         let steps_mm = steps_mm(drive);
@@ -232,7 +259,7 @@ impl IndexWatch {
         let in_doubt = (is_suspect && self.crossed_before <= last)
             .then(|| InDoubt::between([self.crossed_before, last], off_mm, false));
         self.crossed_before = crossing.next_sequence;
-        let slowest = Reference {
+        let slowest = Passage {
             speed_mm_s: if self.is_flown {
                 reference.speed_mm_s
             } else {
@@ -260,8 +287,7 @@ impl IndexWatch {
             let least_mm = common_mm.max(UNSEEN_PART * self.tolerance_mm);
             root_of_squares([least_mm, OFF_PART * self.off_mm, 0.0])
         } else {
-            let cycles = f32::from(self.cycles.max(1));
-            let lost_mm = passed_mm * fmc_camera_kernel::sqrt(cycles / 3.0);
+            let lost_mm = lost_sigma_mm(passed_mm, f32::from(self.cycles.max(1)));
             root_of_squares([common_mm, lost_mm, self.off_mm])
         }
     }
@@ -340,7 +366,14 @@ impl IndexWatch {
         Way {
             to_mm,
             is_newly_missed: is_missed && self.miss(),
+            is_overdue,
         }
+    }
+
+    /// Returns `true` if a frame that ends at a place, mm, has led across the mark against the FMC
+    /// axis.
+    pub(crate) fn has_led_down(&self, to_mm: f32, sides: &IndexSides) -> bool {
+        self.began_mm >= sides.high_mm && to_mm <= sides.low_mm
     }
 
     /// Returns `true` if another way follows before the waiting place is reached.
@@ -355,15 +388,21 @@ impl IndexWatch {
     }
 }
 
+/// Returns σ of the counts that may be lost in so many records, mm, if the stage's watch lets a
+/// step of up to `passed_mm` pass in each.
+pub(crate) fn lost_sigma_mm(passed_mm: f32, records: f32) -> f32 {
+    passed_mm * fmc_camera_kernel::sqrt(records / 3.0)
+}
+
 /// Returns the largest difference of two readings of a place that their steps make, mm. Both speeds
 /// have the steps of their readings.
-fn steps_mm(drive: &DriveSettings) -> f32 {
+pub(crate) fn steps_mm(drive: &DriveSettings) -> f32 {
     let age_s = drive.velocity_loop.reading_age_s;
     1e-3 * drive.encoder_step_um * (1.0 + 2.0 * age_s / TICK_S)
 }
 
 /// Returns the largest difference of two crossings that agree, mm.
-fn repeat_tolerance_mm(drive: &DriveSettings, latest: &Reference, reference: &Reference) -> f32 {
+fn repeat_tolerance_mm(drive: &DriveSettings, latest: &Passage, reference: &Passage) -> f32 {
     let sigma_mm = repeat_sigma_mm(drive, latest.speed_mm_s - reference.speed_mm_s);
     let change_mm_s = latest.change_mm_s + reference.change_mm_s;
     tolerance_mm(drive, sigma_mm, change_mm_s)
@@ -371,7 +410,7 @@ fn repeat_tolerance_mm(drive: &DriveSettings, latest: &Reference, reference: &Re
 
 /// Returns the largest difference of a crossing that agrees from the mark's place in the settings,
 /// mm.
-fn place_tolerance_mm(drive: &DriveSettings, latest: &Reference, index_mm: f32) -> f32 {
+fn place_tolerance_mm(drive: &DriveSettings, latest: &Passage, index_mm: f32) -> f32 {
     let of_zero_mm = 1e-3 * drive.zero_sigma_um;
     let of_scale_mm = 1e-6 * drive.encoder_scale_ppm * index_mm;
     let of_mark_mm = repeat_sigma_mm(drive, latest.speed_mm_s);
@@ -380,8 +419,12 @@ fn place_tolerance_mm(drive: &DriveSettings, latest: &Reference, index_mm: f32) 
 }
 
 fn tolerance_mm(drive: &DriveSettings, sigma_mm: f32, change_mm_s: f32) -> f32 {
-    let uneven_mm = CHANGE_PART * change_mm_s * drive.velocity_loop.reading_age_s;
-    steps_mm(drive) + AGREE_SIGMA * sigma_mm + uneven_mm
+    steps_mm(drive) + AGREE_SIGMA * sigma_mm + uneven_mm(drive, change_mm_s)
+}
+
+/// Returns the largest error of a place by changes of the speed, mm.
+pub(crate) fn uneven_mm(drive: &DriveSettings, change_mm_s: f32) -> f32 {
+    CHANGE_PART * change_mm_s * drive.velocity_loop.reading_age_s
 }
 
 /// Returns σ of a sum of three errors.

@@ -81,6 +81,11 @@ impl Play {
         self.high_mm <= 0.0
     }
 
+    /// Returns `true` if the screw pushes the stage against the FMC axis, with a play, mm.
+    pub(crate) fn is_taken_up_against(&self, play_mm: f32) -> bool {
+        self.low_mm >= play_mm
+    }
+
     /// Returns the offset of the stage from its screw.
     pub(crate) fn offset(&self, play_mm: f32) -> PlayOffset {
         let (low_mm, high_mm) = (self.low_mm.min(play_mm), self.high_mm.min(play_mm));
@@ -119,6 +124,10 @@ mod tests {
     #[test]
     fn stage_is_on_its_flank_once_the_play_is_taken_up() {
         assert_eq!(after(&[0.03]), NONE);
+        let along = Play::UNKNOWN.after(0.03, PLAY_MM);
+        assert!(along.is_taken_up() && !along.is_taken_up_against(PLAY_MM));
+        let against = along.after(-0.03, PLAY_MM);
+        assert!(!against.is_taken_up() && against.is_taken_up_against(PLAY_MM));
         assert!(after(&[-0.03, 0.0, 0.01, 0.01]).offset_mm < 1e-8);
         let against = after(&[0.5, 0.0, -0.03]);
         assert!((against.offset_mm - PLAY_MM).abs() < 1e-8);

@@ -4,6 +4,7 @@ use fmc_camera::flight::calibration_id::Storage;
 use fmc_camera::flight::controller::Start;
 use fmc_camera::flight::controller::state::State;
 use fmc_camera::flight::drive::StageReading;
+use fmc_camera::flight::drive::settings::EncoderSide;
 use fmc_camera::flight::event::{Action, Command, Event, ShutterEdge};
 use fmc_camera::flight::frame_record::{ExposedFrame, FrameRecord, Outcome};
 use fmc_camera::flight::prepared_camera::PreparedCamera;
@@ -22,6 +23,9 @@ pub(crate) fn camera() -> CameraParameters {
 pub(crate) fn identified(camera: &CameraParameters) -> Camera {
     Camera::identified(*camera, 0xca1, Storage::Volatile).unwrap()
 }
+
+/// Width of the index mark, mm.
+const INDEX_WIDTH_MM: f32 = 0.05;
 
 /// Returns the default settings, with an index mark at the calibrated position.
 pub(crate) fn settings() -> FlightSettings {
@@ -47,6 +51,8 @@ pub(crate) struct Bench {
     set_mm: f32,
     /// `true` if the index mark is seen.
     pub(crate) index_is_seen: bool,
+    /// Growth of the play between screw and stage, mm.
+    pub(crate) play_grown_mm: f32,
     /// `true` if the shutter obeys.
     pub(crate) shutter_obeys: bool,
     pub(crate) shutter_late_s: f32,
@@ -72,6 +78,7 @@ impl Bench {
             added_mm: 0.0,
             set_mm: 0.0,
             index_is_seen: true,
+            play_grown_mm: 0.0,
             shutter_obeys: true,
             shutter_late_s: 0.0,
             vh_per_s: Some(0.1),
@@ -158,8 +165,8 @@ impl Bench {
         self.send(Event::Tick);
     }
 
-    /// Sends the crossing of the index mark, if the stage has crossed it along the axis since the
-    /// last round.
+    /// Sends the crossing of the index mark, if the stage has come to it since the last round: to
+    /// its lower edge along the axis, or to its upper edge against it, pushed by the screw.
     fn cross_index(&mut self) {
         let set_mm = self.place_mm();
         let before_mm = core::mem::replace(&mut self.set_mm, set_mm) - self.added_mm;
@@ -168,8 +175,18 @@ impl Bench {
         let Some(index_mm) = drive.index_mm.filter(|_| self.index_is_seen) else {
             return;
         };
-        if before_mm < index_mm && index_mm <= after_mm {
-            let part = (index_mm - before_mm) / (after_mm - before_mm);
+        let play_mm = match drive.encoder_side {
+            EncoderSide::Screw => 1e-3 * drive.play_um + self.play_grown_mm,
+            EncoderSide::Stage => 0.0,
+        };
+        let upper_mm = index_mm + INDEX_WIDTH_MM - play_mm;
+        let edge_mm = if before_mm < index_mm && index_mm <= after_mm {
+            Some(index_mm)
+        } else {
+            (before_mm > upper_mm && upper_mm >= after_mm).then_some(upper_mm)
+        };
+        if let Some(edge_mm) = edge_mm {
+            let part = (edge_mm - before_mm) / (after_mm - before_mm);
             let crossed = self.now.plus_s(1e-3 * (part - 1.0));
             let setpoint = self.camera.controller().setpoint(crossed);
             let speed_mm_s = setpoint.map_or((after_mm - before_mm) / 1e-3, |setpoint| {
@@ -177,7 +194,7 @@ impl Bench {
             });
             // The latched reading is as old as all others.
             let old_mm = speed_mm_s * drive.velocity_loop.reading_age_s;
-            self.send(Event::IndexMark(index_mm + self.added_mm - old_mm));
+            self.send(Event::IndexMark(edge_mm + self.added_mm - old_mm));
         }
     }
 

@@ -11,6 +11,7 @@
 
 mod bench;
 mod bring_up;
+mod confirmation;
 mod document;
 mod findings;
 mod flyable;

@@ -19,6 +19,7 @@ impl Controller {
             Command::Arm => match self.readiness.arm() {
                 Ok(true) => {
                     self.stage.index.arm();
+                    self.stage.play_watch.forget_counts();
                     self.resume(setup, now, actions);
                 }
                 Ok(false) => {}

@@ -26,9 +26,13 @@ impl Controller {
     pub(super) fn stop(&mut self, fault: Fault, actions: &mut Actions) {
         self.stage.fail(fault);
         act(actions, Action::Fault(fault));
+        let unconfirmed = self.stage.unconfirmed.take();
         self.release(actions);
         if self.readiness.fail(fault) {
             self.refuse_frame(Reason::Fault(fault), actions);
+        }
+        if let Some(exposures) = unconfirmed {
+            self.doubt(exposures, actions);
         }
     }
 

@@ -131,10 +131,10 @@ impl Controller {
         let recorded = self
             .frame
             .record(setup, &self.stage, &mut self.aircraft, until);
-        if let Some(sequence) = recorded {
-            act(actions, Action::FrameReady(sequence));
+        if let Some(recorded) = recorded {
+            act(actions, Action::FrameReady(recorded.sequence));
             self.stage.track_mut().keep_latest();
-            self.stage.index.count_record();
+            self.await_crossings(setup, now, &recorded);
             self.go_back(setup, now, actions);
         }
     }

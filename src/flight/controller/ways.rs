@@ -80,6 +80,10 @@ impl Controller {
         if self.stage.release() {
             act(actions, Action::ReleaseStage);
         }
+        // No crossing will come before somebody may have moved the stage.
+        if let Some(exposures) = self.stage.unconfirmed.take_counts() {
+            self.doubt(exposures, actions);
+        }
     }
 
     /// Acts on the arrival of the stage.

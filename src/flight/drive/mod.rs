@@ -130,7 +130,8 @@ pub trait FmcDrive {
     /// The control loop asks once per tick, after [`position`](Self::position). The count must be
     /// that of the crossing itself, from a timer's capture input or an interrupt at the mark's
     /// edge, since the stage moves by tens of micrometres in a tick. Of a mark that is wider than a
-    /// step, the edge counts that comes first on the way along the FMC axis.
+    /// step, the edge counts that comes first on the way along the FMC axis; on the way against it,
+    /// the same one every time, which tells of the play.
     fn take_index(&mut self) -> Option<f32> {
         None
     }

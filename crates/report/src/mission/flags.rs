@@ -38,7 +38,7 @@ pub(super) const fn meaning(flag: Flag) -> &'static str {
         Flag::StaticCorrection => "coordinates are corrected by the static calibration alone",
         Flag::EncoderGlitch => "a single wrong reading was left out",
         Flag::Unreferenced => {
-            "the encoder was not compared with the index mark since the last record, or there is no mark; with fault 14 in a record of an exposure: the next crossing has found it wrong"
+            "the encoder was not compared with the index mark since the last record, or there is no mark; with fault 14 in a record of an exposure: the next crossing has found it wrong; or the next crossing, which would show it, has not come; or both ways across the mark differ from those of arming"
         }
         Flag::ExtrapolatedMotion => {
             "readings are missing, at one end, or between for longer than READING_GAP_S; the path was continued from the others"

@@ -18,6 +18,7 @@ mod shutter;
 
 use self::kept::Kept;
 pub(super) use self::plan::{Asked, Plan};
+pub(super) use self::record::Recorded;
 pub(super) use self::shutter::Due;
 use super::stage::ExposureMotion;
 use super::state::State;

@@ -9,19 +9,28 @@ use crate::flight::controller::stage::{ExposureMotion, StageMachine};
 use crate::flight::controller::timing::STAMP_SIGMA_S;
 use crate::flight::exposure::{CorrectionModel, Exposure};
 use crate::flight::frame_record::{ExposedFrame, Flag, Flags, Outcome, Reason};
+use crate::flight::play_watch::is_play_in_error;
 use crate::flight::record_log::Entry;
 use crate::flight::time::Time;
 
+/// A frame that has been recorded.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in super::super) struct Recorded {
+    pub(in super::super) sequence: u32,
+    /// Its motion is that of the encoder.
+    pub(in super::super) is_measured: bool,
+}
+
 impl FrameMachine {
     /// Records the exposure in flight, and ends it. A shutter whose last light was not seen may
-    /// have been open until `until`. Returns the number of the record; `None` before last light.
+    /// have been open until `until`. Returns `None` before last light.
     pub(in super::super) fn record(
         &mut self,
         setup: &Setup,
         stage: &StageMachine,
         aircraft: &mut Aircraft,
         until: Time,
-    ) -> Option<u32> {
+    ) -> Option<Recorded> {
         let frame = self.in_flight.as_mut()?;
         frame.measure(setup, stage);
         let Phase::Measured(light, measured) = frame.phase else {
@@ -32,13 +41,18 @@ impl FrameMachine {
         let mut sigma = measured.sigma;
         if setup.camera.has_stage() {
             let drive = &setup.settings.drive;
-            if !stage.index.is_referenced(drive) {
+            if !stage.index.is_referenced(drive) || stage.play_watch.disagrees() {
                 flags.insert(Flag::Unreferenced);
             }
             if !flags.contains(Flag::PlannedMotion) {
                 // The mark may have been crossed since the readings.
                 let passed_mm = setup.stage_tolerance().unseen_mm();
                 sigma.common_mm = stage.index.sigma_mm(sigma.common_mm, drive, passed_mm);
+                let sign = setup.settings.direction.sign();
+                let grown_mm = stage.play_watch.off_mm();
+                if grown_mm > 0.0 && is_play_in_error(drive, stage.is_pushed_along(), sign) {
+                    sigma.common_mm = libm::hypotf(sigma.common_mm, grown_mm);
+                }
                 sigma.frame_mm = libm::hypotf(sigma.frame_mm, stage.off_mm());
             }
         }
@@ -104,7 +118,10 @@ impl FrameMachine {
             flags,
         });
         self.in_flight = None;
-        Some(sequence)
+        Some(Recorded {
+            sequence,
+            is_measured: !flags.contains(Flag::PlannedMotion),
+        })
     }
 }
 

@@ -12,13 +12,15 @@ use super::timing::{
 use crate::flight::drive::StageReading;
 use crate::flight::fault::Fault;
 use crate::flight::following_error_rms::FollowingErrorRms;
-use crate::flight::index_watch::IndexWatch;
+use crate::flight::index_watch::{IndexWatch, LatchedIndex};
 use crate::flight::play::Play;
+use crate::flight::play_watch::PlayWatch;
 use crate::flight::slope::Slope;
 use crate::flight::stage::{Profile, Setpoint};
 use crate::flight::stage_track::{StagePlace, StageTrack};
 use crate::flight::stage_watch::{ReadingVerdict, StageWatch};
 use crate::flight::time::Time;
+use crate::flight::unconfirmed::Unconfirmed;
 
 /// The machine of the stage. The stage is released, waits at the start of a profile, or moves along
 /// one; a fault that has not been cleared keeps it released.
@@ -32,9 +34,8 @@ pub(super) struct StageMachine {
     watch: StageWatch,
     /// Reading on which the next one decides.
     suspicious: Option<(StageReading, Seen)>,
-    /// Reading at a crossing of the index mark that is not judged yet, mm, and the number of the
-    /// record to come.
-    pub(super) latched_index: Option<(f32, u32)>,
+    /// Crossing of the index mark that is not judged yet.
+    pub(super) latched_index: Option<LatchedIndex>,
     /// Following error; of a released stage, its position.
     following_slope: Slope,
     play: Play,
@@ -50,6 +51,8 @@ pub(super) struct StageMachine {
     /// Wrong readings that were left out.
     glitches: u32,
     pub(super) index: IndexWatch,
+    pub(super) play_watch: PlayWatch,
+    pub(super) unconfirmed: Unconfirmed,
     /// Waiting place, mm, while the stage goes to where its last way there begins.
     pub(super) approached_mm: Option<f32>,
 }
@@ -97,6 +100,8 @@ impl StageMachine {
             standing_since: None,
             glitches: 0,
             index: IndexWatch::new(),
+            play_watch: PlayWatch::new(),
+            unconfirmed: Unconfirmed::new(),
             approached_mm: None,
         }
     }
@@ -260,6 +265,7 @@ impl StageMachine {
     pub(super) fn refer(&mut self) {
         self.is_place_lost = false;
         self.index.demand();
+        self.play_watch.forget_counts();
         self.track.clear();
         self.read_mm = None;
         self.following_slope.clear();
@@ -356,6 +362,12 @@ impl StageMachine {
     /// Returns `true` if the screw pushes the stage along the FMC axis.
     pub(super) fn is_pushed_along(&self) -> bool {
         self.play.is_taken_up()
+    }
+
+    /// Returns `true` if the screw pushes the stage against the FMC axis.
+    pub(super) fn is_pushed_against(&self, setup: &Setup) -> bool {
+        let play_mm = setup.settings.drive.unseen_play_mm();
+        self.play.is_taken_up_against(play_mm)
     }
 
     pub(super) const fn is_released(&self) -> bool {
