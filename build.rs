@@ -1,7 +1,8 @@
 //! Linker arguments of the firmware, and the memory of its board. They stand here and not in
 //! RUSTFLAGS, so that a user's flags cannot displace them. A build of the library alone gets none
 //! of them. A firmware with a store trusts the public key in the file that `FMC_PUBLIC_KEY` names,
-//! else a test key that everybody can sign by. The condition `host_kernel` is set where the feature `host` has a kernel.
+//! else a test key that everybody can sign by. The condition `host_kernel` is set where the feature
+//! `host` has a kernel.
 
 use std::{
     env, fs, io,

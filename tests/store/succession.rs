@@ -30,7 +30,7 @@ fn assert_refused(store: &mut Store, version: u16, order: &StoreOrder, reason: N
     assert_eq!(stored(store), before);
 }
 
-/// What a permission has to name.
+/// Refusal that names what a permission has to name.
 fn named(stored: &StoredIdentity) -> NotStored {
     NotStored::OtherPermission {
         newest: Some(Permission {
@@ -74,7 +74,7 @@ fn permission_stores_an_older_version_once() {
     let at_five = stored(&mut store);
     assert_eq!((at_five.store, at_five.highest_version), (4, 7));
     assert_eq!(at_five.id.version, 5);
-    // What stood between is not stored without a permission, nor what was gone back from.
+    // A version between the two is not stored without a permission, nor the higher one.
     for version in [6, 7] {
         let older = NotStored::VersionNotRisen { highest: 7 };
         assert_refused(&mut store, version, &signed(version), older);

@@ -140,7 +140,7 @@ impl CalibrationSignature {
         &self.id
     }
 
-    /// What a camera is asked to store.
+    /// Order to a camera to store the calibration.
     #[must_use]
     pub fn order(&self) -> StoreOrder {
         StoreOrder {
@@ -243,7 +243,7 @@ struct StatedPermission {
     crc32: String,
 }
 
-/// What a permission needs of a camera's report.
+/// Part of a camera's report that a permission needs.
 #[derive(Debug, Deserialize)]
 struct StoredReport {
     calibration: Option<StoredCalibration>,

@@ -318,8 +318,8 @@ pub enum Command {
     ///
     /// A camera uses what is loaded over its link until the next start, whoever has made it. Into
     /// its flash it stores only what is signed by the key whose public half its firmware has: the
-    /// numbers of the camera file with their residual grids, lens, laboratory and date. docs/store.md
-    /// has what is signed, and what a signature does not protect from.
+    /// numbers of the camera file with their residual grids, lens, laboratory and date.
+    /// docs/store.md has what is signed, and what a signature does not protect from.
     #[command(after_help = examples::SIGN)]
     Sign(SignArgs),
     /// Prepare, arm and watch a camera on a board, with its own mechanism, shutter and trigger

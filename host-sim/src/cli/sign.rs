@@ -55,8 +55,8 @@ pub struct SignCalibrationArgs {
     /// calibration; without them they are not named.
     #[arg(long, value_name = "DETAILS.toml", help_heading = ADVANCED)]
     pub details: Option<PathBuf>,
-    /// What `host-sim camera stored --json` printed of the camera: permits it to store this
-    /// version, even if a higher one was stored, in the place of that calibration, once.
+    /// Output of `host-sim camera stored --json`: permits the camera to store this version, even if
+    /// a higher one was stored, in the place of that calibration, once.
     #[arg(long, value_name = "STORED.json", help_heading = ADVANCED)]
     pub over: Option<PathBuf>,
 }

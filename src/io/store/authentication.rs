@@ -87,7 +87,7 @@ pub struct Authentication {
     pub permission: Option<Permission>,
 }
 
-/// What is said of a calibration that is to be stored.
+/// Statements about a calibration that is to be stored.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct StoreOrder {
     /// Lens, laboratory and date.

@@ -72,7 +72,7 @@ struct Found {
     other: Result<Commit, SlotFault>,
 }
 
-/// What both slots hold.
+/// Findings in both slots.
 struct Findings {
     found: Result<Found, NothingStored>,
     /// The newest record that is signed; `None` if there is none.

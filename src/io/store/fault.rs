@@ -196,7 +196,7 @@ pub enum NotStored {
     },
     /// Its permission names another calibration than the one that is stored now.
     OtherPermission {
-        /// What a permission has to name; `None` if nothing is stored.
+        /// The store that a permission has to name; `None` if nothing is stored.
         newest: Option<Permission>,
     },
     /// Its residual grids are not in use.
