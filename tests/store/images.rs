@@ -119,7 +119,7 @@ fn any_two_wrong_bits_are_found() {
     let tried = check_pairs(1);
     println!("{tried} pairs");
     // docs/store.md has this number.
-    assert_eq!(tried, 3_275_520);
+    assert_eq!(tried, 4_717_056);
 }
 
 proptest! {
