@@ -1,6 +1,8 @@
 //! Linker arguments of the firmware, and the memory of its board. They stand here and not in
 //! RUSTFLAGS, so that a user's flags cannot displace them. A build of the library alone gets none
-//! of them. The condition `host_kernel` is set where the feature `host` has a kernel.
+//! of them. A firmware with a store trusts the public key in the file that `FMC_PUBLIC_KEY` names,
+//! else a test key that everybody can sign by. The condition `host_kernel` is set where the feature
+//! `host` has a kernel.
 
 use std::{
     env, fs, io,
@@ -29,6 +31,12 @@ const HOST_ARCHITECTURES: [&str; 2] = ["x86_64", "aarch64"];
 /// that.
 const CFGS: [&str; 3] = ["drills", "link_check", "negative_control"];
 
+/// Variable that names the file of the public key (PEM).
+const PUBLIC_KEY: &str = "FMC_PUBLIC_KEY";
+
+/// Public key whose private half is in the repository.
+const TEST_KEY: &str = "src/bin/firmware/test-public-key.pem";
+
 fn main() -> io::Result<()> {
     println!("cargo::rerun-if-changed=build.rs");
     println!("cargo::rustc-check-cfg=cfg(board)");
@@ -36,6 +44,7 @@ fn main() -> io::Result<()> {
         println!("cargo::rustc-check-cfg=cfg({cfg})");
     }
     println!("cargo::rustc-check-cfg=cfg(host_kernel)");
+    println!("cargo::rustc-check-cfg=cfg(test_key)");
     let architecture = env::var("CARGO_CFG_TARGET_ARCH").unwrap_or_default();
     if env::var_os("CARGO_FEATURE_HOST").is_some()
         && HOST_ARCHITECTURES.contains(&architecture.as_str())
@@ -68,7 +77,27 @@ fn firmware(memory: &str) -> io::Result<()> {
     }
     log_level();
     name_sources();
+    if env::var_os("CARGO_FEATURE_STORE").is_some() {
+        public_key();
+    }
     Ok(())
+}
+
+/// Tells the firmware in which file its public key is.
+fn public_key() {
+    println!("cargo::rerun-if-env-changed={PUBLIC_KEY}");
+    let given = env::var_os(PUBLIC_KEY);
+    if given.is_none() {
+        println!("cargo::rustc-cfg=test_key");
+    }
+    let file = PathBuf::from(given.unwrap_or_else(|| TEST_KEY.into()));
+    match file.canonicalize() {
+        Ok(path) => {
+            println!("cargo::rerun-if-changed={}", path.display());
+            println!("cargo::rustc-env=FMC_PUBLIC_KEY_FILE={}", path.display());
+        }
+        Err(error) => println!("cargo::error={PUBLIC_KEY}={}: {error}", file.display()),
+    }
 }
 
 /// Names the state of the sources for the firmware, which tells it to the PC: what `FMC_BUILD`

@@ -92,6 +92,16 @@ impl GridMemory {
         })
     }
 
+    /// Bytes in the buffers of [`Self::spare_mut`], checked or not.
+    #[cfg(feature = "store")]
+    pub(crate) fn spare_bytes(&self, carrier: GridCarrier) -> &[u8] {
+        let (pair, used) = self.pair(carrier);
+        match used {
+            Some(Place::First) => pair.second.bytes(),
+            Some(Place::Second) | None => pair.first.bytes(),
+        }
+    }
+
     /// File of the grid of a part that is in use; `None` while there is none.
     #[must_use]
     pub fn file_in_use(&self, carrier: GridCarrier) -> Option<&[u8]> {

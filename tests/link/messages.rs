@@ -35,7 +35,9 @@ use fmc_camera::io::link::{
     CALIBRATION_CAPACITY, LONGEST_PACKET, LONGEST_PAYLOAD, MAX_GRID_PART, MAX_OBSERVATIONS,
     MAX_PART, MAX_POINTS, PROTOCOL_VERSION,
 };
-use fmc_camera::io::store::{NothingStored, Origin, SlotFault};
+use fmc_camera::io::store::{
+    Authentication, NothingStored, Origin, Permission, Signature, SlotFault, StoreOrder,
+};
 
 use crate::link::pc::{camera_parameters, packet};
 
@@ -237,14 +239,14 @@ fn bytes_on_the_wire_are_those_of_the_description() {
         sequence: 3,
     };
     let request = packet(header, &Request::Connect);
-    // Version 7; session 0x0102, seven bits a byte; number 3; request 0. The zero at the end is
+    // Version 8; session 0x0102, seven bits a byte; number 3; request 0. The zero at the end is
     // COBS's second block.
-    let encoded = [5, 7, 0x82, 2, 3, 1];
+    let encoded = [5, 8, 0x82, 2, 3, 1];
     let checked = [&[0x86, 0x80], &encoded[..]].concat();
     let crc = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(&checked);
     let crc = [0, 7, 14, 21, 28].map(|shift| ((crc >> shift) & 127 | 128).to_le_bytes()[0]);
     assert_eq!(request.bytes(), [&[0], &checked[..], &crc, &[0]].concat());
-    assert_eq!(PROTOCOL_VERSION, 7);
+    assert_eq!(PROTOCOL_VERSION, 8);
     let latest = format!("|---|---|\n| {PROTOCOL_VERSION} |");
     assert!(include_str!("../../CHANGELOG.md").contains(&latest));
 }
@@ -308,6 +310,17 @@ fn requests_and_answers_keep_the_numbers_they_were_given() {
     let nothing_stored = NothingStored {
         slots: [SlotFault::Blank, SlotFault::NoRecord],
     };
+    let unsigned = StoreOrder {
+        origin: Origin::default(),
+        authentication: None,
+    };
+    let signed = StoreOrder {
+        authentication: Some(Authentication {
+            signature: Signature::new(&[7; Signature::BYTES]),
+            permission: Some(Permission { store: 1, crc: 2 }),
+        }),
+        ..unsigned.clone()
+    };
     // The number of a request follows version, session and number of the message.
     for (request, number) in [
         (Request::Connect, 0),
@@ -322,7 +335,8 @@ fn requests_and_answers_keep_the_numbers_they_were_given() {
         (begin_grid, 25),
         (Request::GridPart(grid_part), 26),
         (Request::ConnectReading, 27),
-        (Request::Store(Origin::default()), 28),
+        (Request::Store(unsigned), 28),
+        (Request::Store(signed), 28),
         (Request::Stored, 29),
     ] {
         let payload = payload_of(&packet(header, &request));

@@ -9,32 +9,45 @@ use fmc_camera::flight::fault::Fault;
 use fmc_camera::geometry::sensor::SensorPoint;
 use fmc_camera::io::link::message::{Answer, Header, Refusal, Request, ResetCause};
 use fmc_camera::io::link::station::LinkEvent;
-use fmc_camera::io::store::{CalibrationStore, NotStored, SlotFault, StoreStep, StoredIdentity};
+use fmc_camera::io::store::{
+    CalibrationStore, NotStored, SignatureVerifier, SlotFault, StoreOrder, StoreStep,
+    StoredIdentity,
+};
 
 use crate::link::board::Board;
 use crate::link::in_flight::Flight;
 use crate::link::pc::{Pc, SESSION, packet};
-use crate::store::calibrations::{calibration, flash_after, origin, store_in};
+use crate::store::calibrations::{Credulous, calibration, flash_after, order, origin, store_in};
 use crate::store::flash_model::{Cell, Cut, FlashModel};
+use crate::store::signed::{permitted, signed, signed_flash, trusting_store};
 
-type Store = CalibrationStore<FlashModel>;
+type Store = CalibrationStore<FlashModel, Credulous>;
 
 /// Returns the PC of a camera that has started from a store.
-fn started(store: &mut Store) -> Pc {
+fn started<V: SignatureVerifier>(store: &mut CalibrationStore<FlashModel, V>) -> Pc {
     let mut pc = Pc::unconnected();
     let _ = pc.station.load_stored(store);
     pc.ask(&Request::Connect);
     pc
 }
 
-/// Asks the camera to store what is in use, as its main loop does.
-fn store(pc: &mut Pc, store: &mut Store, version: u16) -> Answer {
+/// Asks the camera to store what is in use.
+fn store(pc: &mut Pc, flash: &mut Store, version: u16) -> Answer {
+    store_signed(pc, flash, &order(version))
+}
+
+/// Asks the camera to store what is in use under a signature, as its main loop does.
+fn store_signed<V: SignatureVerifier>(
+    pc: &mut Pc,
+    store: &mut CalibrationStore<FlashModel, V>,
+    order: &StoreOrder,
+) -> Answer {
     let header = Header {
         session: SESSION,
         sequence: pc.next,
     };
     pc.next += 1;
-    let request = packet(header, &Request::Store(origin(version)));
+    let request = packet(header, &Request::Store(order.clone()));
     let mut answers = pc.send(request.bytes());
     if pc.event == Some(LinkEvent::Store) {
         assert!(answers.is_empty(), "{answers:?}");
@@ -140,7 +153,7 @@ fn store_that_is_asked_for_again_is_answered_from_memory() {
     let writes = flash.flash_mut().operations.len();
     assert!(writes > 10);
     pc.next -= 1;
-    let again = pc.ask(&Request::Store(origin(3)));
+    let again = pc.ask(&Request::Store(order(3)));
     assert_eq!(record(again), stored);
     assert_eq!(pc.event, Some(LinkEvent::Repeated));
     assert_eq!(flash.flash_mut().operations.len(), writes);
@@ -152,7 +165,7 @@ fn store_that_is_asked_for_again_is_answered_from_memory() {
 #[test]
 fn store_needs_a_store_a_calibration_standby_a_good_supply_and_no_records() {
     let mut pc = Pc::loaded();
-    for request in [Request::Stored, Request::Store(origin(3))] {
+    for request in [Request::Stored, Request::Store(order(3))] {
         assert_eq!(pc.ask(&request), Answer::Refused(Refusal::NoStore));
     }
     let mut flash = store_in(FlashModel::blank());
@@ -168,6 +181,7 @@ fn store_needs_a_store_a_calibration_standby_a_good_supply_and_no_records() {
 
     let mut flight = Flight::loaded();
     let _ = flight.pc.station.load_stored(&mut flash);
+    loaded(&mut flight.pc, &calibration(3));
     flight.prepare();
     assert_eq!(
         refused(store(&mut flight.pc, &mut flash, 3)),
@@ -212,7 +226,7 @@ fn session_for_reading_is_told_what_is_stored_and_cannot_store() {
     };
     pc.ask_as(header, &Request::ConnectReading);
     assert_eq!(record(pc.ask_as(header, &Request::Stored)).id.version, 3);
-    let refused = pc.ask_as(header, &Request::Store(origin(3)));
+    let refused = pc.ask_as(header, &Request::Store(order(3)));
     assert_eq!(refused, Answer::Refused(Refusal::ReadingOnly));
 }
 
@@ -221,7 +235,7 @@ fn older_version_and_a_flash_that_fails_are_refused_with_their_reasons() {
     let mut flash = store_in(flash_after(&[5]));
     let mut pc = started(&mut flash);
     loaded(&mut pc, &calibration(4));
-    let older = NotStored::Older { stored: 5 };
+    let older = NotStored::VersionNotRisen { highest: 5 };
     assert_eq!(
         store(&mut pc, &mut flash, 4),
         Answer::Refused(Refusal::NotStored(older))
@@ -253,9 +267,73 @@ fn low_supply_refuses_a_store_also_of_a_camera_that_is_not_prepared() {
     board.levels.supply_low = true;
     board.round();
     assert!(!board.deck().is_supply_good());
-    let refused = board.pc.ask(&Request::Store(origin(3)));
+    let refused = board.pc.ask(&Request::Store(order(3)));
     assert_eq!(refused, Answer::Refused(Refusal::SupplyLow));
     board.levels.supply_low = false;
     board.round();
     assert!(board.deck().is_supply_good());
+}
+
+#[test]
+fn loaded_calibration_stays_volatile_until_its_signature_is_that_of_the_key() {
+    let mut flash = trusting_store(signed_flash(&[3]));
+    let mut pc = started(&mut flash);
+    let at_three = record(pc.ask(&Request::Stored));
+    loaded(&mut pc, &calibration(4));
+    let mut unsigned = signed(4);
+    unsigned.authentication = None;
+    let replayed = signed(3);
+    let foreign = order(4);
+    for (order, reason) in [
+        (unsigned, NotStored::Unsigned),
+        (replayed, NotStored::WrongSignature),
+        (foreign, NotStored::WrongSignature),
+    ] {
+        let refused = store_signed(&mut pc, &mut flash, &order);
+        assert_eq!(refused, Answer::Refused(Refusal::NotStored(reason)));
+        let in_use = identity(&mut pc).unwrap();
+        assert_eq!((in_use.version, in_use.storage), (4, Storage::Volatile));
+        assert_eq!(record(pc.ask(&Request::Stored)).id, at_three.id);
+    }
+    assert_eq!(flash.flash_mut().operations, []);
+    let stored = record(store_signed(&mut pc, &mut flash, &signed(4)));
+    assert_eq!(identity(&mut pc), Some(stored.id));
+    assert_eq!((stored.store, stored.highest_version), (2, 4));
+    // Back to the older one with a permission, once.
+    let back = permitted(3, &stored);
+    loaded(&mut pc, &calibration(3));
+    let stored = record(store_signed(&mut pc, &mut flash, &back));
+    assert_eq!((stored.id.version, stored.highest_version), (3, 4));
+    loaded(&mut pc, &calibration(5));
+    let at_five = record(store_signed(&mut pc, &mut flash, &signed(5)));
+    loaded(&mut pc, &calibration(3));
+    let replayed = store_signed(&mut pc, &mut flash, &back);
+    assert!(
+        matches!(
+            replayed,
+            Answer::Refused(Refusal::NotStored(NotStored::OtherPermission { .. }))
+        ),
+        "{replayed:?}"
+    );
+    assert_eq!(record(pc.ask(&Request::Stored)).id, at_five.id);
+}
+
+#[test]
+fn camera_whose_slots_are_signed_by_another_answers_and_says_so() {
+    let mut flash = CalibrationStore::new(flash_after(&[3, 4]).started(), 0).unwrap();
+    let mut pc = started(&mut flash);
+    let Answer::Stored(Err(nothing)) = pc.ask(&Request::Stored) else {
+        panic!("a calibration is found");
+    };
+    assert_eq!(nothing.slots, [SlotFault::NoKey; 2]);
+    let mut flash = trusting_store(flash.into_flash());
+    let mut pc = started(&mut flash);
+    let Answer::Stored(Err(nothing)) = pc.ask(&Request::Stored) else {
+        panic!("a calibration is found");
+    };
+    assert_eq!(nothing.slots, [SlotFault::WrongSignature; 2]);
+    assert_eq!(identity(&mut pc), None);
+    loaded(&mut pc, &calibration(4));
+    let stored = record(store_signed(&mut pc, &mut flash, &signed(4)));
+    assert_eq!((stored.id.version, stored.other), (4, None));
 }

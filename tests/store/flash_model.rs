@@ -9,6 +9,7 @@ use std::collections::BTreeSet;
 use embedded_storage::nor_flash::{
     ErrorType, NorFlash, NorFlashErrorKind, ReadNorFlash, check_erase, check_read, check_write,
 };
+use fmc_camera::io::store::SEAL_WORDS;
 
 pub(crate) const WORD: usize = 32;
 
@@ -57,6 +58,12 @@ pub(crate) enum Operation {
 }
 
 impl Operation {
+    /// Returns `true` for the write of a seal.
+    pub(crate) fn is_seal(&self) -> bool {
+        let seals = 1..=usize::from(SEAL_WORDS);
+        matches!(self, Self::Write(word) if seals.contains(word))
+    }
+
     /// Everything that can be left of it when it is cut.
     pub(crate) fn cuts(self) -> Vec<Cut> {
         let (most, others): (usize, &[Cut]) = match self {

@@ -7,11 +7,11 @@ use fmc_camera::geometry::grid::{GridCarrier, GridChecksums, GridHeader, Residua
 use fmc_camera::io::store::{NothingStored, SEAL_WORDS, SlotFault};
 
 use crate::geometry::spline::{file, noise, wave};
-use crate::store::calibrations::{calibration, flash_after, origin, store_in};
+use crate::store::calibrations::{calibration, flash_after, order, store_in};
 use crate::store::flash_model::{Cell, Cut, FlashModel};
 
 /// Returns the file of a grid that covers the camera and its stroke.
-fn grid(carrier: GridCarrier, coefficient: impl Fn(u16, u16) -> [i16; 2]) -> Vec<u8> {
+pub(crate) fn grid(carrier: GridCarrier, coefficient: impl Fn(u16, u16) -> [i16; 2]) -> Vec<u8> {
     let header = GridHeader {
         carrier,
         columns: 33,
@@ -49,7 +49,7 @@ fn stored(version: u16) -> (FlashModel, CameraParameters, [Vec<u8>; 2]) {
     ];
     let (mut memory, parameters) = in_use(version, &lens, &sensor);
     let mut store = store_in(flash_after(&[1]).started());
-    let stored = store.store(&parameters, &origin(version), Some(&mut memory));
+    let stored = store.store(&parameters, &order(version), Some(&mut memory));
     assert_eq!(stored.unwrap().parameters, parameters);
     (store.into_flash(), parameters, [lens, sensor])
 }
@@ -68,7 +68,7 @@ fn grids_come_back_with_their_calibration_byte_for_byte() {
         assert_eq!(memory.file_in_use(carrier), Some(&file[..]));
     }
     // A store leaves those in use as they are.
-    let again = store.store(&parameters, &origin(2), Some(&mut memory));
+    let again = store.store(&parameters, &order(2), Some(&mut memory));
     assert_eq!(again.unwrap().parameters, parameters);
     for (carrier, file) in carriers.into_iter().zip(&files) {
         assert_eq!(memory.file_in_use(carrier), Some(&file[..]));
@@ -117,7 +117,7 @@ fn supply_that_fails_while_grids_are_written_leaves_the_calibration_before() {
             let (mut memory, _) = in_use(2, lens, sensor);
             let flash = flash_after(&[1]).started().cut_at(number, cut);
             let mut store = store_in(flash);
-            let refused = store.store(&parameters, &origin(2), Some(&mut memory));
+            let refused = store.store(&parameters, &order(2), Some(&mut memory));
             assert!(refused.is_err());
             let flash = store.into_flash().started();
             let mut memory = Box::new(GridMemory::EMPTY);

@@ -12,8 +12,11 @@
 pub(crate) mod calibrations;
 mod cuts;
 pub(crate) mod flash_model;
-mod grids;
-mod images;
+pub(crate) mod grids;
+pub(crate) mod images;
 mod orders;
 mod refusals;
 mod short_words;
+mod signatures;
+pub(crate) mod signed;
+mod succession;

@@ -14,11 +14,11 @@ use fmc_camera::io::store::{
     StoreStep,
 };
 
-use crate::store::calibrations::{calibration, flash_after, origin, store_in};
+use crate::store::calibrations::{Credulous, calibration, flash_after, order, origin, store_in};
 use crate::store::flash_model::{Cell, FlashModel, Operation, SECTOR};
 
 /// Checks that a store of version 7 holds it still.
-fn assert_holds_seven<F: NorFlash>(store: &mut CalibrationStore<F>) {
+fn assert_holds_seven<F: NorFlash>(store: &mut CalibrationStore<F, Credulous>) {
     assert_eq!(store.load(None).unwrap().parameters, calibration(7));
 }
 
@@ -26,7 +26,7 @@ fn assert_holds_seven<F: NorFlash>(store: &mut CalibrationStore<F>) {
 fn stored_calibration_is_found_with_its_identity_and_the_one_before_in_the_other_slot() {
     let mut store = store_in(FlashModel::blank());
     for version in 1..=5 {
-        let stored = store.store(&calibration(version), &origin(version), None);
+        let stored = store.store(&calibration(version), &order(version), None);
         let stored = stored.unwrap();
         assert_eq!(
             stored.identity.slot,
@@ -61,23 +61,25 @@ fn stored_calibration_is_found_with_its_identity_and_the_one_before_in_the_other
 fn calibration_that_is_stored_already_is_not_written_again() {
     let mut store = store_in(flash_after(&[6, 7]).started());
     for repeat in 0..10 {
-        let stored = store.store(&calibration(7), &origin(7), None).unwrap();
+        let stored = store.store(&calibration(7), &order(7), None).unwrap();
         assert_eq!(stored.parameters, calibration(7));
         let operations = &store.flash_mut().operations;
-        let is_seal = |operation: &Operation| matches!(operation, Operation::Write(word) if (1..=usize::from(SEAL_WORDS)).contains(word));
-        assert!(operations.iter().all(is_seal), "{repeat}: {operations:?}");
+        assert!(
+            operations.iter().all(Operation::is_seal),
+            "{repeat}: {operations:?}"
+        );
         assert!(operations.len() < usize::from(SEAL_WORDS));
     }
 }
 
 /// Checks that a store of version 7 refuses a calibration and does not touch the flash.
 fn assert_refused(
-    store: &mut CalibrationStore<FlashModel>,
+    store: &mut CalibrationStore<FlashModel, Credulous>,
     parameters: &CameraParameters,
     memory: Option<&mut GridMemory>,
     reason: NotStored,
 ) {
-    let refused = store.store(parameters, &origin(8), memory);
+    let refused = store.store(parameters, &order(8), memory);
     assert_eq!(refused, Err(reason));
     assert_eq!(store.flash_mut().operations, [], "{reason}");
 }
@@ -89,7 +91,7 @@ fn calibration_of_another_camera_or_of_a_lower_version_is_refused() {
     other.serial = SerialNumber::new("RC30-5283").unwrap();
     let camera = calibration(7).serial;
     assert_refused(&mut store, &other, None, NotStored::OtherCamera { camera });
-    let older = NotStored::Older { stored: 7 };
+    let older = NotStored::VersionNotRisen { highest: 7 };
     assert_refused(&mut store, &calibration(6), None, older);
     assert_holds_seven(&mut store);
     // A camera that knows its own number compares that, also before anything is stored.
@@ -198,8 +200,8 @@ impl NorFlash for Worn {
 #[test]
 fn flash_that_is_worn_is_named_and_what_was_stored_stays() {
     let refused = |worn: Worn| {
-        let mut store = CalibrationStore::new(worn, 0).unwrap();
-        let refused = store.store(&calibration(8), &origin(8), None).unwrap_err();
+        let mut store = store_in(worn);
+        let refused = store.store(&calibration(8), &order(8), None).unwrap_err();
         assert_holds_seven(&mut store);
         match refused {
             NotStored::Flash { slot, step } => {
@@ -238,8 +240,8 @@ fn seal_that_the_flash_does_not_take_is_written_into_the_next_word() {
         stuck: Some(2),
         ..Worn::sound()
     };
-    let mut worn = CalibrationStore::new(worn, 0).unwrap();
-    assert!(worn.store(&calibration(8), &origin(8), None).is_ok());
+    let mut worn = store_in(worn);
+    assert!(worn.store(&calibration(8), &order(8), None).is_ok());
     let flash = worn.into_flash().model;
     assert_eq!(flash.sectors[0][1], Cell::Blank);
     let stored = store_in(flash).load(None).unwrap();
@@ -253,8 +255,8 @@ fn flash_that_takes_no_seal_is_named_and_a_start_finds_the_new_calibration() {
         refused: 1..1 + usize::from(SEAL_WORDS),
         ..Worn::sound()
     };
-    let mut worn = CalibrationStore::new(worn, 0).unwrap();
-    let refused = worn.store(&calibration(8), &origin(8), None);
+    let mut worn = store_in(worn);
+    let refused = worn.store(&calibration(8), &order(8), None);
     let step = StoreStep::Write { word: 1 };
     assert_eq!(refused, Err(NotStored::Flash { slot: 0, step }));
     let stored = worn.load(None).unwrap();
@@ -262,7 +264,7 @@ fn flash_that_takes_no_seal_is_named_and_a_start_finds_the_new_calibration() {
     assert!(!stored.identity.is_sealed);
     // The next store is written over it; cut before its commit word, it leaves version 7.
     worn.flash_mut().refused = 8..9;
-    let refused = worn.store(&calibration(9), &origin(9), None);
+    let refused = worn.store(&calibration(9), &order(9), None);
     let step = StoreStep::Write { word: 8 };
     assert_eq!(refused, Err(NotStored::Flash { slot: 0, step }));
     assert_holds_seven(&mut worn);

@@ -1,8 +1,10 @@
-//! The certificate of a calibrated camera.
+//! The certificate of a calibrated camera, and the signature by which a camera stores its
+//! calibration.
 
 #![forbid(unsafe_code)]
 
 pub mod bundle;
+pub mod calibration_signature;
 pub mod calibration_summary;
 pub mod check;
 pub mod content;

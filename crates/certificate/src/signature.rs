@@ -1,7 +1,9 @@
 //! Detached Ed25519 signatures, with keys in the files that `openssl genpkey` writes.
 
 use ed25519_dalek::pkcs8::spki::der::pem::LineEnding;
-use ed25519_dalek::pkcs8::{DecodePrivateKey, DecodePublicKey, EncodePublicKey};
+use ed25519_dalek::pkcs8::{
+    DecodePrivateKey, DecodePublicKey, EncodePrivateKey, EncodePublicKey, KeypairBytes,
+};
 use ed25519_dalek::{Signature, Signer, SigningKey, VerifyingKey};
 use fmc_camera_file::InputError;
 use fmc_report::hash;
@@ -18,6 +20,26 @@ pub struct PrivateKey(SigningKey);
 pub struct PublicKey(VerifyingKey);
 
 impl PrivateKey {
+    /// Number of secret bytes.
+    pub const BYTES: usize = ed25519_dalek::SECRET_KEY_LENGTH;
+
+    /// Returns the key of these bytes, which have to be random and secret.
+    #[must_use]
+    pub fn of_random(bytes: &[u8; Self::BYTES]) -> Self {
+        Self(SigningKey::from_bytes(bytes))
+    }
+
+    /// Returns the key as PEM, as `openssl genpkey` writes it; `None` only if it cannot be written.
+    #[must_use]
+    pub fn pem(&self) -> Option<String> {
+        let bytes = KeypairBytes {
+            secret_key: self.0.to_bytes(),
+            // OpenSSL reads no private key with its public key behind it.
+            public_key: None,
+        };
+        Some(bytes.to_pkcs8_pem(LineEnding::LF).ok()?.to_string())
+    }
+
     /// Reads a private key, PEM as PKCS #8 has it; `file` is the name that messages use.
     ///
     /// # Errors
@@ -63,6 +85,18 @@ impl PublicKey {
             })
     }
 
+    /// The bytes.
+    #[must_use]
+    pub fn to_bytes(&self) -> [u8; 32] {
+        self.0.to_bytes()
+    }
+
+    /// Returns the key of these bytes; `None` if they are none.
+    #[must_use]
+    pub fn of_bytes(bytes: &[u8; 32]) -> Option<Self> {
+        VerifyingKey::from_bytes(bytes).ok().map(Self)
+    }
+
     /// Returns the key as PEM; `None` only if it cannot be written.
     #[must_use]
     pub fn pem(&self) -> Option<String> {
@@ -100,6 +134,11 @@ mod tests {
     #[test]
     fn signature_is_that_of_its_key_and_bytes_alone() {
         let key = PrivateKey::parse("key.pem", KEY).unwrap();
+        assert_eq!(key.pem().unwrap(), KEY);
+        assert_eq!(
+            PublicKey::of_bytes(&key.public().to_bytes()),
+            Some(key.public())
+        );
         let public = PublicKey::parse("public.pem", PUBLIC).unwrap();
         assert_eq!(key.public(), public);
         assert_eq!(public.pem().unwrap(), PUBLIC);

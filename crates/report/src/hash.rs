@@ -8,11 +8,14 @@ use sha2::{Digest, Sha256};
 /// Returns the SHA-256 of bytes, in hexadecimal digits.
 #[must_use]
 pub fn sha256(bytes: &[u8]) -> String {
-    Sha256::digest(bytes)
-        .iter()
-        .map(|byte| format!("{byte:02x}"))
-        .collect::<Vec<_>>()
-        .concat()
+    digits(&Sha256::digest(bytes))
+}
+
+/// Returns bytes in hexadecimal digits.
+#[must_use]
+pub fn digits(bytes: &[u8]) -> String {
+    let pairs = bytes.iter().map(|byte| format!("{byte:02x}"));
+    pairs.collect::<Vec<_>>().concat()
 }
 
 /// Returns the CRC-32 that the frame records of a camera with this file carry, in hexadecimal

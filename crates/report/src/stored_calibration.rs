@@ -39,6 +39,13 @@ pub fn write_text(
                 ("lens", text(record.origin.lens())),
                 ("laboratory", text(record.origin.laboratory())),
                 ("date", text(record.origin.date())),
+                (
+                    "store",
+                    format!(
+                        "number {}; the highest version so far is {}",
+                        record.store, record.highest_version
+                    ),
+                ),
                 ("slot", record.slot.to_string()),
                 ("other slot", other),
                 ("seal", seal.to_owned()),
@@ -74,6 +81,9 @@ struct StoredReport {
     lens: Option<String>,
     laboratory: Option<String>,
     date: Option<String>,
+    /// Number of the store: what a permission to store an older version names.
+    store: Option<u32>,
+    highest_version: Option<u32>,
     slot: Option<u8>,
     is_sealed: Option<bool>,
     /// Fault of either slot; `None` for one that is sound, or was not read.
@@ -91,6 +101,8 @@ impl StoredReport {
                     lens: text(record.origin.lens()),
                     laboratory: text(record.origin.laboratory()),
                     date: text(record.origin.date()),
+                    store: Some(record.store),
+                    highest_version: Some(record.highest_version),
                     slot: Some(record.slot),
                     is_sealed: Some(record.is_sealed),
                     slot_faults: if record.slot == 0 {

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Subcommand};
 
 use super::number::{between, exposure_time};
-use super::{ADVANCED, DeviceArgs, DirectionName, VhArgument, examples};
+use super::{DeviceArgs, DirectionName, VhArgument, examples};
 
 /// Arguments of `camera`.
 #[derive(Debug, Args)]
@@ -52,8 +52,9 @@ pub enum CameraAction {
     /// Store a calibration in the camera's flash; the camera starts with it from then on.
     ///
     /// In standby alone, with the supply good and all records fetched. The calibration before stays
-    /// in its slot until the new one has been written and read back. A lower version than the
-    /// stored one is refused, and so is the calibration of another serial number.
+    /// in its slot until the new one has been written and read back. A camera stores what the owner
+    /// of its key has signed with `host-sim sign`, for its own serial number, and of a higher
+    /// version than all before or with a permission.
     #[command(after_help = examples::CAMERA_STORE)]
     Store(StoreArgs),
     /// Show which calibration the camera has stored, or what is wrong with either slot.
@@ -105,15 +106,9 @@ pub struct StoreArgs {
     /// Camera file (TOML) that is sent first; without it the calibration in use is stored.
     #[arg(long, value_name = "FILE")]
     pub camera: Option<PathBuf>,
-    /// Lens, as its certificate names it.
-    #[arg(long, value_name = "TEXT", default_value = "", help_heading = ADVANCED)]
-    pub lens: String,
-    /// Laboratory that has calibrated the camera.
-    #[arg(long, value_name = "TEXT")]
-    pub laboratory: String,
-    /// Day of the calibration, such as 2026-05-17.
-    #[arg(long, value_name = "DATE")]
-    pub date: String,
+    /// Signature of the calibration, which `host-sim sign` writes.
+    #[arg(long, value_name = "FILE")]
+    pub signature: PathBuf,
 }
 
 /// Arguments of `camera status` and `camera stored`.

@@ -232,9 +232,21 @@ Examples:
 pub(super) const CAMERA_STORE: &str = "\
 Examples:
   host-sim camera --device serial:/dev/ttyACM0 store --camera my.toml \\
-      --lens HR-50-1187 --laboratory Test-range --date 2026-05-17
+      --signature my.json
   host-sim camera --device qemu --flash flash.bin store --camera my.toml \\
-      --laboratory Test-range --date 2026-05-17";
+      --signature my.json";
+
+pub(super) const SIGN: &str = "\
+Examples:
+  host-sim sign --camera my.toml --key keys/private-key.pem --out my.json
+  host-sim sign --camera my.toml --key keys/private-key.pem --out my.json \\
+      --details details.toml
+  host-sim sign --camera older.toml --key keys/private-key.pem \\
+      --over stored.json --out older.json";
+
+pub(super) const SIGN_KEY: &str = "\
+Examples:
+  host-sim sign key --out keys";
 
 pub(super) const CAMERA_STORED: &str = "\
 Examples:

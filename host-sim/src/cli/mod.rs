@@ -22,6 +22,7 @@ mod network;
 mod number;
 mod points;
 mod rectify;
+mod sign;
 mod simulation;
 mod statistics;
 mod trajectory;
@@ -57,6 +58,7 @@ pub use rectify::{
     BlockArgs, CentreName, CompressionName, ImageFileArgs, RectifiedImageArgs, RectifyArgs,
     ResamplingName, Shard, WindowArgument,
 };
+pub use sign::{SignAction, SignArgs, SignCalibrationArgs, SignKeyArgs};
 pub use simulation::{BudgetArgs, SmearArgs, StrategyName, StripArgs, SweepArgs};
 pub use statistics::{FaultNumber, StatisticsArgs};
 pub use trajectory::{OffTrajectoryName, TimeScaleName, TrajectoryArgs};
@@ -312,6 +314,14 @@ pub enum Command {
     /// number means.
     #[command(after_help = examples::CERTIFICATE)]
     Certificate(CertificateArgs),
+    /// Sign a calibration, so that a camera stores it; or make the key.
+    ///
+    /// A camera uses what is loaded over its link until the next start, whoever has made it. Into
+    /// its flash it stores only what is signed by the key whose public half its firmware has: the
+    /// numbers of the camera file with their residual grids, lens, laboratory and date.
+    /// docs/store.md has what is signed, and what a signature does not protect from.
+    #[command(after_help = examples::SIGN)]
+    Sign(SignArgs),
     /// Prepare, arm and watch a camera on a board, with its own mechanism, shutter and trigger
     /// line.
     ///

@@ -2,7 +2,8 @@
 
 use fmc_camera::flight::camera::Camera;
 use fmc_camera::io::link::message::Refusal;
-use fmc_camera::io::store::{NotStored, NothingStored, Origin, OriginError, StoredIdentity};
+use fmc_camera::io::store::{NotStored, NothingStored, StoredIdentity};
+use fmc_certificate::calibration_signature::CalibrationSignature;
 use fmc_report::stored_calibration;
 
 use crate::cli::{CameraArgs, StoreArgs};
@@ -14,13 +15,18 @@ use crate::formats::output;
 
 /// Stores a calibration, and says what is stored then.
 pub(super) fn store(args: &CameraArgs, of: &StoreArgs) -> Result<(), Failure> {
-    let origin = origin(of)?;
+    let text = super::sign::read(&of.signature)?;
+    let file = of.signature.display().to_string();
+    let signature = CalibrationSignature::parse(&file, &text)?;
     let camera = match &of.camera {
         Some(path) => {
             let (file, grids) = super::read_camera_with_grids(path)?;
             let parameters = file.parameters();
             Camera::new(parameters)
                 .map_err(|error| Failure::bad_input(format!("{}: {error}", path.display())))?;
+            signature
+                .check(&parameters, &grids)
+                .map_err(|error| super::sign::in_file(&of.signature, &error))?;
             Some((parameters, grids))
         }
         None => None,
@@ -30,7 +36,7 @@ pub(super) fn store(args: &CameraArgs, of: &StoreArgs) -> Result<(), Failure> {
     if let Some((parameters, grids)) = &camera {
         device.put_into_use(parameters, grids).map_err(failed)?;
     }
-    let record = device.store(&origin).map_err(failed)?;
+    let record = device.store(&signature.order()).map_err(failed)?;
     say(&Ok(record), false)
 }
 
@@ -50,21 +56,6 @@ fn say(stored: &Result<StoredIdentity, NothingStored>, as_json: bool) -> Result<
     })
 }
 
-fn origin(of: &StoreArgs) -> Result<Origin, Failure> {
-    Origin::new(&of.lens, &of.laboratory, &of.date).map_err(|error| {
-        let (option, given) = match error {
-            OriginError::LensTooLong => ("--lens", &of.lens),
-            OriginError::LaboratoryTooLong => ("--laboratory", &of.laboratory),
-            OriginError::Date => ("--date", &of.date),
-            OriginError::ControlCharacter if of.lens.chars().any(char::is_control) => {
-                ("--lens", &of.lens)
-            }
-            OriginError::ControlCharacter => ("--laboratory", &of.laboratory),
-        };
-        Failure::bad_input(format!("{option} {given:?}: {error}"))
-    })
-}
-
 /// Turns an error into a failure, with advice.
 fn failed(error: DeviceError) -> Failure {
     let help = match &error {
@@ -75,8 +66,15 @@ fn failed(error: DeviceError) -> Failure {
             Refusal::NoCalibration => "name one with --camera FILE",
             Refusal::FrameInFlight => "`host-sim camera disarm` comes first",
             Refusal::NotStandby(_) => "`host-sim camera clear-fault` comes first",
-            Refusal::NotStored(NotStored::Older { .. }) => {
-                "give the calibration a higher version in its camera file"
+            Refusal::NotStored(NotStored::WrongSignature) => {
+                "the camera's firmware has the public key of another, or another calibration is in \
+                 use than was signed"
+            }
+            Refusal::NotStored(NotStored::VersionNotRisen { .. }) => {
+                "give the calibration a higher version in its camera file, or sign it with --over"
+            }
+            Refusal::NotStored(NotStored::OtherPermission { .. }) => {
+                "sign it again with --over and what `host-sim camera stored --json` prints now"
             }
             Refusal::NotStored(NotStored::Flash { .. }) => {
                 "docs/store.md says what a start finds; `host-sim camera stored` asks the camera"

@@ -24,6 +24,7 @@ mod points;
 mod records;
 mod rectify;
 mod reference;
+mod sign;
 mod smear;
 mod statistics;
 mod strip;
@@ -82,6 +83,7 @@ pub fn run(cli: Cli) -> Result<(), Failure> {
         Command::Export(args) => export::run(&args),
         Command::Import(args) => import::run(&args),
         Command::Certificate(args) => certificate::run(&args),
+        Command::Sign(args) => sign::run(&args),
         Command::Camera(args) => camera::run(&args),
         Command::CameraFile(args) => camera_file::run(&args),
     }

@@ -1,7 +1,7 @@
 //! The client's requests to the store of a camera.
 
 use fmc_camera::io::link::message::{Answer, Request};
-use fmc_camera::io::store::{NothingStored, Origin, StoredIdentity};
+use fmc_camera::io::store::{NothingStored, StoreOrder, StoredIdentity};
 
 use super::client::Client;
 use super::link_error::LinkError;
@@ -13,8 +13,8 @@ impl<P: Port> Client<P> {
     /// # Errors
     /// [`LinkError::Refused`] without a calibration, for one that the store does not take, and
     /// outside standby.
-    pub fn store(&mut self, origin: &Origin) -> Result<StoredIdentity, LinkError> {
-        let request = Request::Store(origin.clone());
+    pub fn store(&mut self, order: &StoreOrder) -> Result<StoredIdentity, LinkError> {
+        let request = Request::Store(order.clone());
         match self.ask(&request)? {
             Answer::Stored(Ok(record)) => Ok(record),
             _ => Err(self.unexpected(&request)),

@@ -2,7 +2,7 @@
 
 use fmc_camera::flight::camera::CameraParameters;
 use fmc_camera::io::link::message::Refusal;
-use fmc_camera::io::store::{NothingStored, Origin, StoredIdentity};
+use fmc_camera::io::store::{NothingStored, StoreOrder, StoredIdentity};
 use fmc_camera_file::GridFiles;
 
 use super::link_error::LinkError;
@@ -22,11 +22,11 @@ pub trait KeepingCamera {
         grids: &GridFiles,
     ) -> Result<(), DeviceError>;
 
-    /// Lets the camera store the calibration in use.
+    /// Lets the camera store the calibration in use, which has to be signed.
     ///
     /// # Errors
     /// [`DeviceError::RecordsKept`]; [`DeviceError::Link`] with every other refusal.
-    fn store(&mut self, origin: &Origin) -> Result<StoredIdentity, DeviceError>;
+    fn store(&mut self, order: &StoreOrder) -> Result<StoredIdentity, DeviceError>;
 
     /// Returns what the camera has stored.
     ///
@@ -50,8 +50,8 @@ impl<P: Port> KeepingCamera for Remote<P> {
         CorrectingDevice::load(self, camera)
     }
 
-    fn store(&mut self, origin: &Origin) -> Result<StoredIdentity, DeviceError> {
-        self.client.store(origin).map_err(|error| match error {
+    fn store(&mut self, order: &StoreOrder) -> Result<StoredIdentity, DeviceError> {
+        self.client.store(order).map_err(|error| match error {
             // It has no calibration, and nobody has asked for a frame.
             LinkError::Refused {
                 refusal: Refusal::NoCalibration,

@@ -20,7 +20,7 @@ use fmc_camera::geometry::mesh::vertex::VertexRow;
 use fmc_camera::geometry::sensor::SensorPoint;
 use fmc_camera::io::instruments::counters::InstrumentCounters;
 use fmc_camera::io::link::message::{Counters, Ending, Grid};
-use fmc_camera::io::store::{NothingStored, Origin, StoredIdentity};
+use fmc_camera::io::store::{NothingStored, StoreOrder, StoredIdentity};
 use fmc_camera_file::GridFiles;
 use fmc_simulation::mission::wire::WireTraffic;
 
@@ -255,8 +255,8 @@ impl KeepingCamera for Qemu {
         answer.map_err(|error| self.watch.explain(error))
     }
 
-    fn store(&mut self, origin: &Origin) -> Result<StoredIdentity, DeviceError> {
-        let answer = self.remote.store(origin);
+    fn store(&mut self, order: &StoreOrder) -> Result<StoredIdentity, DeviceError> {
+        let answer = self.remote.store(order);
         answer.map_err(|error| self.watch.explain(error))
     }
 

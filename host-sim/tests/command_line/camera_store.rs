@@ -1,7 +1,10 @@
 //! `camera store` and `camera stored` on a camera without a store, and with wrong input.
 
+use std::fs;
+
 use crate::command_line::fake_camera::FakeCamera;
 use crate::command_line::serial::Port;
+use crate::command_line::sign::signed;
 use crate::command_line::support::Bench;
 
 const NO_STORE: &str = "it has no store for a calibration";
@@ -12,42 +15,35 @@ fn camera_without_a_store_says_so() {
     let (bench, device) = (Bench::new(), port.device());
     let run = |action: &[&str]| bench.run(&[&["camera", "--device", &device], action].concat());
     run(&["stored"]).failed(3, &[NO_STORE]);
-    let origin = ["--laboratory", "Test range", "--date", "2026-05-17"];
-    run(&[&["store"], &origin[..]].concat()).failed(3, &[NO_STORE]);
-    let camera = ["store", "--camera", "camera.toml"];
-    run(&[&camera, &origin[..]].concat()).failed(3, &[NO_STORE]);
+    signed(&bench);
+    let signature = ["--signature", "my.json"];
+    run(&[&["store"], &signature[..]].concat()).failed(3, &[NO_STORE]);
+    let camera = ["store", "--camera", "signed.toml"];
+    run(&[&camera, &signature[..]].concat()).failed(3, &[NO_STORE]);
 }
 
 #[test]
 fn wrong_input_is_named_before_a_device_is_opened() {
     let bench = Bench::new();
-    let device = ["camera", "--device", "serial:/dev/there-is-none"];
-    let long = "x".repeat(49);
-    for (options, words) in [
-        (
-            ["--laboratory", "Range", "--date", "17.5.2026"],
-            ["--date \"17.5.2026\"", "not a day as 2026-05-17"],
-        ),
-        (
-            ["--laboratory", "Range", "--date", "2026-02-29"],
-            ["--date", "not a day"],
-        ),
-        (
-            ["--laboratory", &long, "--date", "2026-05-17"],
-            ["--laboratory", "more than 48 bytes"],
-        ),
-        (
-            ["--laboratory", "a\nb", "--date", "2026-05-17"],
-            ["--laboratory", "control character"],
-        ),
-    ] {
-        let store = [&device[..], &["store"], &options].concat();
-        bench.run(&store).refused(&words);
-    }
-    let origin = ["--laboratory", "Range", "--date", "2026-05-17"];
-    let camera = ["store", "--camera", "there-is-none.toml"];
-    let store = [&device, &camera[..], &origin].concat();
-    bench.run(&store).refused(&["there-is-none.toml"]);
+    signed(&bench);
+    let run = |action: &[&str]| {
+        let device = ["camera", "--device", "serial:/dev/there-is-none", "store"];
+        bench.run(&[&device, action].concat())
+    };
+    run(&["--camera", "signed.toml"]).refused(&["--signature"]);
+    run(&["--signature", "none.json"]).refused(&["none.json"]);
+    run(&["--signature", "camera.toml"]).refused(&[
+        "camera.toml: no signature of a calibration",
+        "host-sim sign",
+    ]);
+    let camera = |camera, signature| run(&["--camera", camera, "--signature", signature]);
+    camera("none.toml", "my.json").refused(&["none.toml"]);
+    // The camera file was changed after it had been signed; or the signature was.
+    camera("camera.toml", "my.json").refused(&["my.json: the signature is of another calibration"]);
+    let text = fs::read_to_string(bench.path("my.json")).unwrap();
+    let changed = text.replace("\"date\": \"\"", "\"date\": \"2026-05-17\"");
+    fs::write(bench.path("changed.json"), changed).unwrap();
+    camera("signed.toml", "changed.json").refused(&["changed.json: the signature is not that of"]);
 }
 
 #[test]
@@ -68,10 +64,18 @@ fn store_needs_a_camera_that_keeps_something_and_a_flash_is_for_qemu() {
         "stored",
     ];
     bench.run(&flash).refused(&["--flash", "--device qemu"]);
-    let origin = ["--laboratory", "Range", "--date", "2026-05-17"];
-    let lost = [&["camera", "--device", "qemu", "store"], &origin[..]].concat();
+    let lost = [
+        "camera",
+        "--device",
+        "qemu",
+        "store",
+        "--signature",
+        "my.json",
+    ];
+    signed(&bench);
     bench
         .run(&lost)
-        .refused(&["--device qemu: its flash is lost", "--flash FILE"]);
-    assert_eq!(bench.files(), ["camera.toml", "points.csv"]);
+        .refused(&["--device qemu:an386: its flash is lost", "--flash FILE"]);
+    let files = ["camera.toml", "my.json", "points.csv", "signed.toml"];
+    assert_eq!(bench.files(), files);
 }

@@ -107,6 +107,7 @@ mod rectify;
 #[cfg(unix)]
 mod serial;
 #[cfg(test)]
+mod sign;
 mod smear;
 #[cfg(test)]
 mod start;

@@ -11,9 +11,11 @@ use assert_cmd::cargo::cargo_bin;
 use fmc_camera::flight::calibration_id::{SerialNumber, Storage};
 use fmc_camera::geometry::frame_correction::Corrected;
 use fmc_camera::io::link::message::Refusal;
-use fmc_camera::io::store::{NotStored, Origin, SlotFault, StoredIdentity};
+use fmc_camera::io::store::{NotStored, Origin, Permission, SlotFault, StoreOrder, StoredIdentity};
 use fmc_camera::{CalibrationParameters, CameraParameters, Exposure, SensorPoint};
 use fmc_camera_file::GridFiles;
+use fmc_certificate::calibration_signature::CalibrationSignature;
+use fmc_certificate::signature::PrivateKey;
 use host_sim::device::link_error::LinkError;
 use host_sim::device::qemu::{Qemu, QemuOptions};
 use host_sim::device::{
@@ -42,6 +44,31 @@ fn camera(version: u32) -> CameraParameters {
 
 fn origin() -> Origin {
     Origin::new("HR 100 No. 7", "Test range", "2026-05-17").unwrap()
+}
+
+/// Key that the firmware trusts unless it is built with another: everybody has it.
+fn test_key() -> PrivateKey {
+    let text = include_str!("../../keys/test-private-key.pem");
+    PrivateKey::parse("test-private-key.pem", text).unwrap()
+}
+
+fn signed_by(
+    key: &PrivateKey,
+    (camera, grids): (&CameraParameters, &GridFiles),
+    permission: Option<Permission>,
+) -> StoreOrder {
+    let signature = CalibrationSignature::new(key, camera, grids, &origin(), permission);
+    signature.unwrap().order()
+}
+
+/// Loads a calibration, and stores it with a signature by the test key.
+fn store(
+    qemu: &mut Qemu,
+    camera: &CameraParameters,
+    grids: &GridFiles,
+) -> Result<StoredIdentity, DeviceError> {
+    qemu.put_into_use(camera, grids).unwrap();
+    qemu.store(&signed_by(&test_key(), (camera, grids), None))
 }
 
 fn points() -> Vec<SensorPoint> {
@@ -98,8 +125,7 @@ fn stored_calibration_with_grids_is_found_after_a_reset_and_after_a_kill_and_cor
         for (camera, grids) in [(camera(2), GridFiles::default()), (with_grids, files)] {
             let expected = corrected_here(&camera, &grids);
             let mut qemu = with_flash(machine, &flash);
-            qemu.put_into_use(&camera, &grids).unwrap();
-            let record = qemu.store(&origin()).unwrap();
+            let record = store(&mut qemu, &camera, &grids).unwrap();
             assert_eq!(record.id.version, camera.version);
             assert_eq!(record.id.storage, Storage::Stored);
             qemu.remote().reset().unwrap();
@@ -132,16 +158,18 @@ fn machine_killed_during_a_store_starts_with_the_calibration_before_or_the_new_o
     let mut qemu = with_flash(Machine::An386, &flash);
     let (first, files) = next(1);
     qemu.put_into_use(&first, &files).unwrap();
+    let order = signed_by(&test_key(), (&first, &files), None);
     let start = Instant::now();
-    qemu.store(&origin()).unwrap();
+    qemu.store(&order).unwrap();
     let whole = start.elapsed();
     let (mut kept, mut found) = (1, [0, 0]);
     for step in 0..24 {
         let version = 2 + step;
         let (next, files) = next(version);
         qemu.put_into_use(&next, &files).unwrap();
+        let order = signed_by(&test_key(), (&next, &files), None);
         let killer = killed_after(&qemu, whole * step / 16);
-        let answered = qemu.store(&origin());
+        let answered = qemu.store(&order);
         killer.join().unwrap();
         drop(qemu);
         qemu = with_flash(Machine::An386, &flash);
@@ -158,9 +186,8 @@ fn machine_killed_during_a_store_starts_with_the_calibration_before_or_the_new_o
         found[0] > 3 && found[1] > 3,
         "kills came on one side of the commit: {found:?}"
     );
-    qemu.put_into_use(&camera(100), &GridFiles::default())
-        .unwrap();
-    assert_eq!(qemu.store(&origin()).unwrap().id.version, 100);
+    let stored = store(&mut qemu, &camera(100), &GridFiles::default());
+    assert_eq!(stored.unwrap().id.version, 100);
 }
 
 #[test]
@@ -171,9 +198,8 @@ fn word_that_cannot_be_read_is_a_fault_of_its_slot_and_the_camera_answers() {
         let flash = folder.path().join(format!("flash of {machine}"));
         let mut qemu = with_flash(machine, &flash);
         for version in [1, 2] {
-            qemu.put_into_use(&camera(version), &GridFiles::default())
-                .unwrap();
-            assert_eq!(u32::from(qemu.store(&origin()).unwrap().slot) + 1, version);
+            let stored = store(&mut qemu, &camera(version), &GridFiles::default());
+            assert_eq!(u32::from(stored.unwrap().slot) + 1, version);
         }
         drop(qemu);
         for (slot, version) in [(1, Some(1)), (0, None)] {
@@ -197,43 +223,146 @@ fn word_that_cannot_be_read_is_a_fault_of_its_slot_and_the_camera_answers() {
                 let nothing = qemu.stored().unwrap().unwrap_err();
                 assert_eq!(nothing.slots, [unreadable; 2]);
                 assert_eq!(qemu.remote().identity().calibration, None);
-                qemu.put_into_use(&camera(3), &GridFiles::default())
-                    .unwrap();
-                assert_eq!(qemu.store(&origin()).unwrap().id.version, 3);
+                let stored = store(&mut qemu, &camera(3), &GridFiles::default());
+                assert_eq!(stored.unwrap().id.version, 3);
             }
         }
     }
 }
 
+/// Checks that the camera refuses to store what it has been loaded with, for a reason.
+fn assert_refused(qemu: &mut Qemu, order: &StoreOrder, reason: NotStored) {
+    let Err(DeviceError::Link {
+        error: LinkError::Refused { refusal, .. },
+        ..
+    }) = qemu.store(order)
+    else {
+        panic!("stored");
+    };
+    assert_eq!(refusal, Refusal::NotStored(reason));
+    assert_eq!(stored(qemu).id.version, 4);
+}
+
 #[test]
 #[ignore = "needs QEMU and the image: cargo xtask test"]
-fn calibration_of_another_camera_and_an_older_one_are_not_stored_and_a_run_without_a_file_is_blank()
-{
-    let mut qemu = Qemu::start(Machine::An386, &QemuOptions::default()).unwrap();
-    assert!(qemu.stored().unwrap().unwrap_err().is_blank());
-    qemu.put_into_use(&camera(4), &GridFiles::default())
-        .unwrap();
-    qemu.store(&origin()).unwrap();
-    let mut other = camera(5);
-    other.serial = SerialNumber::new("5283").unwrap();
-    let of_stored = camera(4).serial;
-    for (camera, refusal) in [
-        (camera(3), NotStored::Older { stored: 4 }),
-        (other, NotStored::OtherCamera { camera: of_stored }),
-    ] {
-        qemu.put_into_use(&camera, &GridFiles::default()).unwrap();
-        let Err(DeviceError::Link {
-            error: LinkError::Refused {
-                refusal: refused, ..
-            },
-            ..
-        }) = qemu.store(&origin())
-        else {
-            panic!("stored");
+fn unsigned_foreign_and_older_calibrations_are_not_stored_and_a_run_without_a_file_is_blank() {
+    let none = GridFiles::default();
+    for machine in MACHINES {
+        let mut qemu = Qemu::start(machine, &QemuOptions::default()).unwrap();
+        assert!(qemu.stored().unwrap().unwrap_err().is_blank());
+        store(&mut qemu, &camera(4), &none).unwrap();
+        // Loaded over the link it is in use, and volatile; without a signature it stays so.
+        let next = camera(5);
+        qemu.put_into_use(&next, &none).unwrap();
+        let unsigned = StoreOrder {
+            origin: origin(),
+            authentication: None,
         };
-        assert_eq!(refused, Refusal::NotStored(refusal));
-        assert_eq!(stored(&mut qemu).id.version, 4);
+        assert_refused(&mut qemu, &unsigned, NotStored::Unsigned);
+        let stranger = PrivateKey::of_random(&[1; PrivateKey::BYTES]);
+        let foreign = signed_by(&stranger, (&next, &none), None);
+        assert_refused(&mut qemu, &foreign, NotStored::WrongSignature);
+        let of_another = signed_by(&test_key(), (&camera(6), &none), None);
+        assert_refused(&mut qemu, &of_another, NotStored::WrongSignature);
+        let in_use = qemu.remote().reset();
+        in_use.unwrap();
+        let in_use = qemu.remote().identity().calibration.unwrap();
+        assert_eq!((in_use.version, in_use.storage), (4, Storage::Stored));
+
+        let mut other = next;
+        other.serial = SerialNumber::new("5283").unwrap();
+        qemu.put_into_use(&other, &none).unwrap();
+        let order = signed_by(&test_key(), (&other, &none), None);
+        let own = camera(4).serial;
+        assert_refused(&mut qemu, &order, NotStored::OtherCamera { camera: own });
+        qemu.put_into_use(&camera(3), &none).unwrap();
+        let order = signed_by(&test_key(), (&camera(3), &none), None);
+        let older = NotStored::VersionNotRisen { highest: 4 };
+        assert_refused(&mut qemu, &order, older);
+        // With a permission it is stored, once.
+        let at_four = stored(&mut qemu);
+        let permission = Permission {
+            store: at_four.store,
+            crc: at_four.id.crc,
+        };
+        let permitted = signed_by(&test_key(), (&camera(3), &none), Some(permission));
+        assert_eq!(qemu.store(&permitted).unwrap().id.version, 3);
+        let at_five = store(&mut qemu, &next, &none).unwrap();
+        assert_eq!((at_five.store, at_five.id.version), (3, 5));
+        qemu.put_into_use(&camera(3), &none).unwrap();
+        assert!(qemu.store(&permitted).is_err());
+        assert_eq!(stored(&mut qemu).id.version, 5);
     }
+}
+
+/// A signature that is changed in the file of the flash, with the right CRC-32 of word, body and
+/// commit word, as somebody with a debugger could write it.
+#[test]
+#[ignore = "needs QEMU and the image: cargo xtask test"]
+fn slot_with_a_wrong_signature_is_a_fault_of_its_slot_and_the_camera_answers() {
+    let folder = tempfile::tempdir().unwrap();
+    for machine in MACHINES {
+        let flash = folder.path().join(format!("flash of {machine}"));
+        let mut qemu = with_flash(machine, &flash);
+        for version in [1, 2] {
+            store(&mut qemu, &camera(version), &GridFiles::default()).unwrap();
+        }
+        drop(qemu);
+        for (slot, version) in [(1, Some(1)), (0, None)] {
+            change_signature(&flash, slot);
+            let mut qemu = with_flash(machine, &flash);
+            let wrong = SlotFault::WrongSignature;
+            if let Some(version) = version {
+                let found = stored(&mut qemu);
+                assert_eq!((found.id.version, found.other), (version, Some(wrong)));
+            } else {
+                let nothing = qemu.stored().unwrap().unwrap_err();
+                assert_eq!(nothing.slots, [wrong; 2]);
+                assert_eq!(qemu.remote().identity().calibration, None);
+                let stored = store(&mut qemu, &camera(2), &GridFiles::default());
+                assert_eq!(stored.unwrap().id.version, 2);
+            }
+        }
+    }
+}
+
+/// Changes a bit of the signature of a slot, and writes all CRCs anew.
+fn change_signature(flash: &Path, slot: u64) {
+    let file = OpenOptions::new().read(true).write(true).open(flash);
+    let file = file.unwrap();
+    let begin = FLASH_AT + slot * SECTOR;
+    let word_at = |index: u64| {
+        let mut word = [0; 32];
+        file.read_exact_at(&mut word, begin + 32 * index).unwrap();
+        word.map(|byte: u8| !byte)
+    };
+    let write = |index: u64, word: [u8; 32]| {
+        let inverted = word.map(|byte| !byte);
+        file.write_all_at(&inverted, begin + 32 * index).unwrap();
+        let check = !crc_of(&word);
+        let checks = FLASH_AT + 2 * SECTOR;
+        let at = checks + (slot * SECTOR / 32 + index) * 4;
+        file.write_all_at(&check.to_le_bytes(), at).unwrap();
+    };
+    let mut commit = word_at(0);
+    let words = u64::from(u16::from_le_bytes([commit[6], commit[7]]));
+    let body: Vec<[u8; 32]> = (8..8 + words).map(word_at).collect();
+    let mut bytes = body.concat();
+    // Behind the length and the origin's texts.
+    let texts = ["HR 100 No. 7", "Test range", "2026-05-17"];
+    let at = 2 + texts.map(|text| 1 + text.len()).iter().sum::<usize>() + 20;
+    bytes[at] ^= 1;
+    for (index, word) in (8..).zip(bytes.chunks(32)) {
+        write(index, word.try_into().unwrap());
+    }
+    commit[12..16].copy_from_slice(&crc_of(&bytes).to_le_bytes());
+    let crc = crc_of(&commit[..28]);
+    commit[28..].copy_from_slice(&crc.to_le_bytes());
+    write(0, commit);
+}
+
+fn crc_of(bytes: &[u8]) -> u32 {
+    crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(bytes)
 }
 
 #[test]
@@ -262,14 +391,30 @@ fn program_stores_a_camera_file_and_tells_it_in_another_run() {
         nothing.contains("none is stored") && nothing.contains("slot 1       blank"),
         "{nothing}"
     );
-    let origin = ["--laboratory", "USGS", "--date", "2004-06-01"];
-    let without = run("flash", &[&["store"], &origin[..]].concat());
+    let details = "calibrated_on = 2004-06-01\n[laboratory]\nname = \"USGS\"\n";
+    fs::write(folder.path().join("details.toml"), details).unwrap();
+    let key = Path::new(env!("CARGO_MANIFEST_DIR")).join("keys/test-private-key.pem");
+    let sign = [
+        "sign",
+        "--camera",
+        "camera.toml",
+        "--details",
+        "details.toml",
+        "--out",
+        "my.json",
+        "--key",
+    ];
+    let mut command = Command::new(cargo_bin!("host-sim"));
+    let command = command.current_dir(folder.path()).args(sign).arg(key);
+    assert!(command.status().unwrap().success());
+    let signature = ["--signature", "my.json"];
+    let without = run("flash", &[&["store"], &signature[..]].concat());
     let stderr = String::from_utf8_lossy(&without.stderr).into_owned();
     assert!(
         stderr.contains("no calibration is loaded") && stderr.contains("--camera"),
         "{stderr}"
     );
-    let said = text(&[&["store", "--camera", "camera.toml"], &origin[..]].concat());
+    let said = text(&[&["store", "--camera", "camera.toml"], &signature[..]].concat());
     let found = text(&["stored"]);
     for text in [&said, &found] {
         for part in [
@@ -278,6 +423,7 @@ fn program_stores_a_camera_file_and_tells_it_in_another_run() {
             "USGS",
             "2004-06-01",
             "it stays",
+            "number 1; the highest version so far is 2",
         ] {
             assert!(text.contains(part), "{part}: {text}");
         }
@@ -286,6 +432,10 @@ fn program_stores_a_camera_file_and_tells_it_in_another_run() {
     assert_eq!(json["calibration"]["version"], 2);
     assert_eq!(json["laboratory"], "USGS");
     assert_eq!(json["lens"], serde_json::Value::Null);
+    assert_eq!(
+        (&json["store"], &json["highest_version"]),
+        (&1.into(), &2.into())
+    );
     assert_eq!(json["slot_faults"][1], "blank");
     let letter = run("letter", &["stored"]);
     let stderr = String::from_utf8_lossy(&letter.stderr).into_owned();

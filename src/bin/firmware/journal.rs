@@ -16,6 +16,8 @@ pub(crate) fn note_start(board: &str, build: &str, start: ResetCause) {
         ResetCause::Fault => "fault",
     };
     defmt::info!("{=str} {=str} starts after {=str}", board, build, after);
+    #[cfg(test_key)]
+    defmt::warn!("calibrations are trusted by the test key: everybody can sign them");
 }
 
 /// Logs what the start has found in the store.

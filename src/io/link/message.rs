@@ -29,7 +29,7 @@ use crate::geometry::mesh::vertex::VertexRow;
 use crate::geometry::sensor::SensorPoint;
 use crate::io::instruments::WireBytes;
 use crate::io::instruments::counters::InstrumentCounters;
-use crate::io::store::{NothingStored, Origin, StoredIdentity};
+use crate::io::store::{NothingStored, StoreOrder, StoredIdentity};
 
 /// A batch of points.
 pub type Points = Vec<SensorPoint, MAX_POINTS>;
@@ -133,11 +133,11 @@ pub enum Request {
     /// takes [`Self::Counters`], [`Self::Instruments`], [`Self::Status`], [`Self::FrameRecord`],
     /// [`Self::Acknowledge`] and [`Self::Stored`], in any order and as often as wanted.
     ConnectReading,
-    /// Stores the calibration in use, with its residual grids, under this origin: in standby alone,
-    /// with the supply good, and while no record is left unacknowledged. A camera that was prepared
-    /// is to be prepared again. Grids that were uploaded and are not in use are gone. The answer
-    /// takes as long as the erasure of a sector, some seconds.
-    Store(Origin),
+    /// Stores the calibration in use, with its residual grids, under this origin and signature: in
+    /// standby alone, with the supply good, and while no record is left unacknowledged. A camera
+    /// that was prepared is to be prepared again. Grids that were uploaded and are not in use are
+    /// gone. The answer takes as long as the erasure of a sector, some seconds.
+    Store(StoreOrder),
     /// Reads what is stored, as the start has found it or the last store has left it.
     Stored,
 }

@@ -102,8 +102,8 @@ impl<Deck: FlightDeck> Responder<Deck> {
         self.last = Some(header);
         let done = match request {
             Some(Request::Prepare(settings)) => self.prepare(header, settings),
-            Some(Request::Store(origin)) => {
-                let ordered = self.shelf.order(&self.deck, header, origin);
+            Some(Request::Store(order)) => {
+                let ordered = self.shelf.order(&self.deck, header, order);
                 ordered.map(|()| LinkEvent::Store)
             }
             Some(request) => self.act(header, request),

@@ -5,7 +5,7 @@ use super::message::{Header, Refusal};
 use super::{deck, message::Answer};
 use crate::flight::camera::CameraParameters;
 use crate::flight::controller::state::State;
-use crate::io::store::{NothingStored, Origin, StoredIdentity};
+use crate::io::store::{NothingStored, StoreOrder, StoredIdentity};
 
 /// The store as the start has found it, and the calibration that may be stored.
 #[derive(Debug)]
@@ -14,8 +14,8 @@ pub(super) struct Shelf {
     pub(super) found: Option<Result<StoredIdentity, NothingStored>>,
     /// Parameters in use.
     pub(super) in_use: Option<CameraParameters>,
-    /// Request that waits for the board, and the origin that it states.
-    pub(super) ordered: Option<(Header, Origin)>,
+    /// Request that waits for the board, and what it states.
+    pub(super) ordered: Option<(Header, StoreOrder)>,
 }
 
 impl Shelf {
@@ -39,7 +39,7 @@ impl Shelf {
         &mut self,
         deck: &impl FlightDeck,
         header: Header,
-        origin: &Origin,
+        order: &StoreOrder,
     ) -> Result<(), Refusal> {
         if self.found.is_none() {
             return Err(Refusal::NoStore);
@@ -59,7 +59,7 @@ impl Shelf {
                 other => return Err(Refusal::NotStandby(other)),
             }
         }
-        self.ordered = Some((header, origin.clone()));
+        self.ordered = Some((header, order.clone()));
         Ok(())
     }
 }

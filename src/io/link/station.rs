@@ -16,7 +16,7 @@ use crate::flight::calibration_id::{CalibrationId, Storage};
 use crate::flight::camera::CameraParameters;
 use crate::flight::grid_memory::GridMemory;
 #[cfg(feature = "store")]
-use crate::io::store::{CalibrationStore, NothingStored, StoredIdentity};
+use crate::io::store::{CalibrationStore, NothingStored, SignatureVerifier, StoredIdentity};
 #[cfg(feature = "store")]
 use embedded_storage::nor_flash::NorFlash;
 
@@ -106,9 +106,9 @@ impl<Deck: FlightDeck> Station<Deck> {
     /// Whatever that is, the link answers: [`Request::Stored`](super::message::Request::Stored)
     /// tells it. From then on the PC may ask for a store ([`LinkEvent::Store`]).
     #[cfg(feature = "store")]
-    pub fn load_stored<F: NorFlash>(
+    pub fn load_stored<F: NorFlash, V: SignatureVerifier>(
         &mut self,
-        store: &mut CalibrationStore<F>,
+        store: &mut CalibrationStore<F, V>,
     ) -> &Result<StoredIdentity, NothingStored> {
         self.responder.start_from(store)
     }
@@ -117,7 +117,10 @@ impl<Deck: FlightDeck> Station<Deck> {
     /// answers; it is the stored one from then on, and a camera that was prepared is to be prepared
     /// again. Returns what has come of it.
     #[cfg(feature = "store")]
-    pub fn store<F: NorFlash>(&mut self, store: &mut CalibrationStore<F>) -> LinkEvent {
+    pub fn store<F: NorFlash, V: SignatureVerifier>(
+        &mut self,
+        store: &mut CalibrationStore<F, V>,
+    ) -> LinkEvent {
         self.responder.carry_out(store)
     }
 

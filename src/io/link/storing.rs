@@ -9,14 +9,16 @@ use super::responder::Responder;
 use super::{deck, digest};
 use crate::flight::calibration_id::{CalibrationId, Storage};
 use crate::flight::camera::CameraParameters;
-use crate::io::store::{CalibrationStore, NothingStored, Origin, StoredIdentity};
+use crate::io::store::{
+    CalibrationStore, NothingStored, SignatureVerifier, StoreOrder, StoredIdentity,
+};
 
 impl<Deck: FlightDeck> Responder<Deck> {
     /// Puts the stored calibration into use; notes what was found.
     #[inline(never)]
-    pub(super) fn start_from<F: NorFlash>(
+    pub(super) fn start_from<F: NorFlash, V: SignatureVerifier>(
         &mut self,
-        store: &mut CalibrationStore<F>,
+        store: &mut CalibrationStore<F, V>,
     ) -> &Result<StoredIdentity, NothingStored> {
         let loaded = store.load(self.grids.memory_mut());
         let found = loaded.map(|stored| {
@@ -30,11 +32,14 @@ impl<Deck: FlightDeck> Responder<Deck> {
 
     /// Stores the calibration in use as it was ordered, and answers. The steps follow each other,
     /// so that none needs the stack of another.
-    pub(super) fn carry_out<F: NorFlash>(&mut self, store: &mut CalibrationStore<F>) -> LinkEvent {
-        let Some((header, origin)) = self.shelf.ordered.take() else {
+    pub(super) fn carry_out<F: NorFlash, V: SignatureVerifier>(
+        &mut self,
+        store: &mut CalibrationStore<F, V>,
+    ) -> LinkEvent {
+        let Some((header, order)) = self.shelf.ordered.take() else {
             return LinkEvent::Answered;
         };
-        let done = match self.store(store, &origin) {
+        let done = match self.store(store, &order) {
             Ok(()) => self.use_stored(),
             Err(refusal) => {
                 // The flash may hold something else now.
@@ -49,22 +54,25 @@ impl<Deck: FlightDeck> Responder<Deck> {
     }
 
     #[inline(never)]
-    fn store<F: NorFlash>(
+    fn store<F: NorFlash, V: SignatureVerifier>(
         &mut self,
-        store: &mut CalibrationStore<F>,
-        origin: &Origin,
+        store: &mut CalibrationStore<F, V>,
+        order: &StoreOrder,
     ) -> Result<(), Refusal> {
         deck::check_over(&self.deck)?;
         self.grids.end();
         let parameters = self.shelf.in_use.as_ref().ok_or(Refusal::NoCalibration)?;
-        let stored = store.store(parameters, origin, self.grids.memory_mut());
+        let stored = store.store(parameters, order, self.grids.memory_mut());
         let stored = stored.map_err(Refusal::NotStored)?;
         self.shelf.found = Some(Ok(stored.identity));
         Ok(())
     }
 
     #[inline(never)]
-    fn look_again<F: NorFlash>(&mut self, store: &mut CalibrationStore<F>) {
+    fn look_again<F: NorFlash, V: SignatureVerifier>(
+        &mut self,
+        store: &mut CalibrationStore<F, V>,
+    ) {
         let found = store.load(self.grids.memory_mut());
         self.shelf.found = Some(found.map(|stored| stored.identity));
     }

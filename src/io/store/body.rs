@@ -4,6 +4,7 @@ use embedded_storage::nor_flash::ReadNorFlash;
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
 
+use super::authentication::Authentication;
 use super::commit::Commit;
 use super::fault::SlotFault;
 use super::layout::{HEAD_CAPACITY, MAX_BODY_WORDS, WORD_BYTES};
@@ -25,6 +26,10 @@ const LENGTH_BYTES: usize = 2;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct Head {
     pub(super) origin: Origin,
+    /// Signature of the statement.
+    pub(super) authentication: Authentication,
+    /// Highest version that this camera has ever stored.
+    pub(super) highest: u32,
     pub(super) probe: ProbePoint,
     /// Bytes of the files of the grids of lens and sensor; 0 without.
     pub(super) grid_bytes: [u16; 2],
@@ -202,6 +207,7 @@ impl<'a> Contents<'a> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::authentication::{Permission, Signature};
     use super::super::layout::HEAD_BYTES;
     use super::super::origin::{LABORATORY_BYTES, LENS_BYTES};
     use super::*;
@@ -224,6 +230,14 @@ mod tests {
         let grid_bytes = u16::try_from(file.len()).unwrap();
         let head = Head {
             origin: Origin::new(&lens, &laboratory, "2026-05-17").unwrap(),
+            authentication: Authentication {
+                signature: Signature::new(&[0xff; Signature::BYTES]),
+                permission: Some(Permission {
+                    store: u32::MAX,
+                    crc: u32::MAX,
+                }),
+            },
+            highest: u32::MAX,
             probe: longest_probe(),
             grid_bytes: [grid_bytes; 2],
             camera: Vec::from_slice(&[0xff; CALIBRATION_CAPACITY]).unwrap(),

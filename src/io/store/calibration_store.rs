@@ -2,27 +2,31 @@
 
 use embedded_storage::nor_flash::{NorFlash, ReadNorFlash};
 
-use super::body::Body;
+use super::authentication::{Authentication, SignatureVerifier, StoreOrder};
+use super::body::{Body, CARRIERS, Head};
 use super::commit::Commit;
 use super::fault::{NotStored, NothingStored, SlotFault, StoreStep};
-use super::head;
-use super::judgement::{self, Record};
+use super::head::{self, SignedOrigin};
+use super::judgement::{Reader, Record};
 use super::layout::{LayoutError, MAX_SLOT_BYTES, WORD_BYTES};
-use super::origin::Origin;
+use super::public_key::PublicKey;
 use super::slot::{BODY, Slot, Word};
+use super::statement::Statement;
 use super::stored_identity::StoredIdentity;
+use super::succession::{self, Newest};
 use crate::flight::calibration_id::{CalibrationId, SerialNumber, Storage};
 use crate::flight::camera::{Camera, CameraParameters};
 use crate::flight::grid_memory::GridMemory;
 use crate::io::link::digest;
+use crate::io::link::loading::Upload;
 
-/// A camera's calibration in two slots of a flash.
+/// A camera's calibration in two slots of a flash `F`, signed so that `V` verifies it.
 #[derive(Debug)]
-pub struct CalibrationStore<F> {
+pub struct CalibrationStore<F, V = PublicKey> {
     flash: F,
     /// Offset of the first slot, bytes; the second follows it.
     offset: u32,
-    serial: SerialNumber,
+    reader: Reader<V>,
 }
 
 /// A calibration that is stored, as it has been read.
@@ -35,7 +39,7 @@ pub struct StoredCalibration {
 }
 
 impl StoredCalibration {
-    fn new(parameters: CameraParameters, origin: Origin, slot: usize) -> Self {
+    fn new(parameters: CameraParameters, head: Head, (slot, store): (usize, u32)) -> Self {
         let identity = StoredIdentity {
             id: CalibrationId {
                 serial: parameters.serial,
@@ -43,7 +47,9 @@ impl StoredCalibration {
                 crc: digest::of_camera(&parameters),
                 storage: Storage::Stored,
             },
-            origin,
+            origin: head.origin,
+            store,
+            highest_version: head.highest,
             #[expect(clippy::cast_possible_truncation, reason = "0 or 1")]
             slot: slot as u8,
             other: None,
@@ -64,6 +70,13 @@ struct Found {
     /// Commit word of the other slot, whose record is older and has not been read; or what is wrong
     /// with that slot.
     other: Result<Commit, SlotFault>,
+}
+
+/// Findings in both slots.
+struct Findings {
+    found: Result<Found, NothingStored>,
+    /// The newest record that is signed; `None` if there is none.
+    newest: Option<Newest>,
 }
 
 impl<F: NorFlash> CalibrationStore<F> {
@@ -91,15 +104,35 @@ impl<F: NorFlash> CalibrationStore<F> {
         Ok(Self {
             flash,
             offset,
-            serial: SerialNumber::EMPTY,
+            reader: Reader {
+                serial: SerialNumber::EMPTY,
+                key: None,
+            },
         })
     }
+}
 
+impl<F: NorFlash, V: SignatureVerifier> CalibrationStore<F, V> {
     /// Returns the same store of a camera that knows its own serial number, and uses and stores no
     /// calibration of another.
     #[must_use]
-    pub fn of_camera(self, serial: SerialNumber) -> Self {
-        Self { serial, ..self }
+    pub fn of_camera(mut self, serial: SerialNumber) -> Self {
+        self.reader.serial = serial;
+        self
+    }
+
+    /// Returns the same store of a camera that uses and stores what the owner of a key has signed;
+    /// without a key it uses and stores nothing.
+    #[must_use]
+    pub fn trusting<K: SignatureVerifier>(self, key: K) -> CalibrationStore<F, K> {
+        CalibrationStore {
+            flash: self.flash,
+            offset: self.offset,
+            reader: Reader {
+                serial: self.reader.serial,
+                key: Some(key),
+            },
+        }
     }
 
     /// The flash.
@@ -122,14 +155,15 @@ impl<F: NorFlash> CalibrationStore<F> {
         &mut self,
         memory: Option<&mut GridMemory>,
     ) -> Result<StoredCalibration, NothingStored> {
-        let found = self.find(memory)?;
+        let found = self.find(memory).found?;
         let is_sealed = self.slot(found.slot).last_seal().is_some();
         Ok(found.stored(is_sealed))
     }
 
-    /// Stores a calibration; if it has residual grids, those in use, which have to be its own. Only
-    /// the slot is written that is not the newest good one. A calibration that is stored already is
-    /// not written again.
+    /// Stores a calibration that is signed; if it has residual grids, those in use, which have to
+    /// be its own. Its version has to be higher than all that were stored, or its signature to hold
+    /// a permission that names the calibration that is stored now. Only the slot is written that is
+    /// not the newest good one. A calibration that is stored already is not written again.
     ///
     /// The buffers of `memory` that are not in use serve to read what is stored: grids that are
     /// being uploaded are lost.
@@ -140,27 +174,32 @@ impl<F: NorFlash> CalibrationStore<F> {
     pub fn store(
         &mut self,
         parameters: &CameraParameters,
-        origin: &Origin,
+        order: &StoreOrder,
         mut memory: Option<&mut GridMemory>,
     ) -> Result<StoredCalibration, NotStored> {
         let camera = Camera::new(*parameters).map_err(NotStored::Calibration)?;
+        let origin = &order.origin;
         origin.check().map_err(NotStored::Origin)?;
-        check_serial(self.serial, parameters)?;
-        let found = self.find(memory.as_deref_mut());
-        if let Ok(Found { record, .. }) = &found {
-            check_serial(record.parameters.serial, parameters)?;
-            if record.parameters.version > parameters.version {
-                let stored = record.parameters.version;
-                return Err(NotStored::Older { stored });
-            }
+        check_serial(self.reader.serial, parameters)?;
+        let upload = Upload::of(parameters).ok_or(NotStored::TooLong)?;
+        let authentication = self.authenticated(parameters, &upload, order, memory.as_deref())?;
+        let Findings { found, newest } = self.find(memory.as_deref_mut());
+        if let Some(newest) = &newest {
+            check_serial(newest.serial, parameters)?;
         }
+        let highest = succession::check(newest.as_ref(), parameters.version, &authentication)?;
         let (target, sequence, last_seal) = match &found {
             Ok(found) => self.target(found, memory.as_deref_mut()),
             Err(nothing) => self.first_target(nothing),
         };
         let memory = memory.as_deref();
         let files = head::files_in_use(parameters, memory)?;
-        let head = head::of(&camera, parameters, origin, memory, files)?;
+        let signed = SignedOrigin {
+            origin,
+            authentication,
+            highest,
+        };
+        let head = head::of(&camera, &upload, &signed, memory, files)?;
         let body = Body::new(&head, files).ok_or(NotStored::TooLong)?;
         let commit = body.commit(sequence).ok_or(NotStored::TooLong)?;
         // From here on nothing is refused, and the flash is written.
@@ -173,15 +212,46 @@ impl<F: NorFlash> CalibrationStore<F> {
                 return Ok(found.stored(true));
             }
         }
-        let stored = StoredCalibration::new(*parameters, head.origin, target);
+        let stored = StoredCalibration::new(*parameters, head, (target, sequence));
         let slot = stored.identity.slot;
         self.write(target, &body, commit)
             .map_err(|step| NotStored::Flash { slot, step })?;
         Ok(stored)
     }
 
-    /// Finds the newest record that this camera can use. Each commit word is read once.
-    fn find(&mut self, mut memory: Option<&mut GridMemory>) -> Result<Found, NothingStored> {
+    /// Returns the signature of a calibration, which has been verified.
+    #[inline(never)]
+    fn authenticated(
+        &self,
+        parameters: &CameraParameters,
+        upload: &Upload,
+        order: &StoreOrder,
+        memory: Option<&GridMemory>,
+    ) -> Result<Authentication, NotStored> {
+        let authentication = order.authentication.ok_or(NotStored::Unsigned)?;
+        let key = self.reader.key.as_ref().ok_or(NotStored::NoKey)?;
+        if parameters.serial.is_empty() {
+            return Err(NotStored::NoSerial);
+        }
+        let files = head::files_in_use(parameters, memory)?;
+        let permission = authentication.permission;
+        let statement = Statement::of_bytes(upload.bytes(), &order.origin, permission, files)
+            .ok_or(NotStored::TooLong)?;
+        if key.verifies(&statement.pieces(), &authentication.signature) {
+            Ok(authentication)
+        } else {
+            Err(NotStored::WrongSignature)
+        }
+    }
+
+    /// Finds the newest record that this camera can use, and the newest that is signed. Each commit
+    /// word is read once. Buffers of `memory` that are not in use hold nothing else afterwards.
+    fn find(&mut self, mut memory: Option<&mut GridMemory>) -> Findings {
+        if let Some(memory) = memory.as_deref_mut() {
+            for carrier in CARRIERS {
+                memory.spare_mut(carrier).clear();
+            }
+        }
         let commits = self.commits();
         let newest = match &commits {
             [Ok(first), Ok(second)] => usize::from(second.is_newer_than(first)),
@@ -194,18 +264,23 @@ impl<F: NorFlash> CalibrationStore<F> {
         } else {
             [second, first]
         };
-        let newer_fault = match self.judge(newest, newer, memory.as_deref_mut()) {
+        let mut signed = None;
+        let newer_fault = match self.judge(newest, newer, memory.as_deref_mut(), &mut signed) {
             Ok((commit, record)) => {
-                return Ok(Found {
+                let found = Ok(Found {
                     slot: newest,
                     commit,
                     record,
                     other: older,
                 });
+                return Findings {
+                    found,
+                    newest: signed,
+                };
             }
             Err(fault) => fault,
         };
-        match self.judge(other, older, memory) {
+        let found = match self.judge(other, older, memory, &mut signed) {
             Ok((commit, record)) => Ok(Found {
                 slot: other,
                 commit,
@@ -219,19 +294,27 @@ impl<F: NorFlash> CalibrationStore<F> {
                     [older_fault, newer_fault]
                 },
             }),
+        };
+        Findings {
+            found,
+            newest: signed,
         }
     }
 
-    /// Reads the record behind a commit word.
+    /// Reads the record behind a commit word; notes in `newest` the first that is signed.
     fn judge(
         &mut self,
         index: usize,
         commit: Result<Commit, SlotFault>,
-        memory: Option<&mut GridMemory>,
+        mut memory: Option<&mut GridMemory>,
+        newest: &mut Option<Newest>,
     ) -> Result<(Commit, Record), SlotFault> {
         let commit = commit?;
-        let serial = self.serial;
-        let record = judgement::record(&mut self.slot(index), &commit, serial, memory)?;
+        let mut slot = slot_of(&mut self.flash, self.offset, index);
+        let read = self.reader.read(&mut slot, &commit, memory.as_deref_mut());
+        let record = read?;
+        newest.get_or_insert_with(|| Newest::of(&commit, &record));
+        record.check(memory)?;
         Ok((commit, record))
     }
 
@@ -247,7 +330,7 @@ impl<F: NorFlash> CalibrationStore<F> {
         if let Some(last) = self.slot(found.slot).last_seal() {
             return (other, next, Some(last));
         }
-        match self.judge(other, found.other, memory) {
+        match self.judge(other, found.other, memory, &mut None) {
             Ok(_) => (found.slot, next, None),
             Err(_) => (other, next, None),
         }
@@ -291,23 +374,26 @@ impl<F: NorFlash> CalibrationStore<F> {
     }
 
     fn slot(&mut self, index: usize) -> Slot<'_, F> {
-        let second = if index == 0 { 0 } else { slot_bytes::<F>() };
-        #[expect(
-            clippy::cast_possible_truncation,
-            reason = "both slots end within 32 bits"
-        )]
-        let offset = self.offset + second as u32;
-        Slot {
-            flash: &mut self.flash,
-            offset,
-        }
+        slot_of(&mut self.flash, self.offset, index)
     }
+}
+
+/// Returns a slot of the store that begins at an offset.
+fn slot_of<F: NorFlash>(flash: &mut F, offset: u32, index: usize) -> Slot<'_, F> {
+    let second = if index == 0 { 0 } else { slot_bytes::<F>() };
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "both slots end within 32 bits"
+    )]
+    let offset = offset + second as u32;
+    Slot { flash, offset }
 }
 
 impl Found {
     fn stored(self, is_sealed: bool) -> StoredCalibration {
         let Record { head, parameters } = self.record;
-        let mut stored = StoredCalibration::new(parameters, head.origin, self.slot);
+        let place = (self.slot, self.commit.sequence);
+        let mut stored = StoredCalibration::new(parameters, head, place);
         stored.identity.other = self.other.err();
         stored.identity.is_sealed = is_sealed;
         stored

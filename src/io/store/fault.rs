@@ -4,6 +4,7 @@ use core::fmt;
 
 use serde::{Deserialize, Serialize};
 
+use super::authentication::Permission;
 use super::layout::{FORMAT_VERSION, MAX_BODY_WORDS};
 use super::origin::OriginError;
 use crate::flight::calibration_id::SerialNumber;
@@ -45,6 +46,10 @@ pub enum SlotFault {
     },
     /// The body is not laid out as one of this version.
     Contents,
+    /// The firmware has no key by which it knows signatures.
+    NoKey,
+    /// Its signature is not that of the key.
+    WrongSignature,
     /// The calibration is not usable.
     Calibration(CalibrationError),
     /// It is the calibration of another camera.
@@ -95,6 +100,8 @@ impl fmt::Display for SlotFault {
                 "the body has CRC-32 {computed:08x}, the commit word states {stored:08x}"
             ),
             Self::Contents => f.write_str("the body is not one of this format"),
+            Self::NoKey => f.write_str("the firmware has no key that verifies signatures"),
+            Self::WrongSignature => f.write_str("the signature is not that of the camera's key"),
             Self::Calibration(error) => write!(f, "the calibration is not usable: {error}"),
             Self::OtherCamera(serial) => {
                 write!(f, "the calibration is of another camera, serial {serial}")
@@ -173,10 +180,24 @@ pub enum NotStored {
         /// Serial number of this camera, or of the calibration that is stored.
         camera: SerialNumber,
     },
-    /// A calibration of a higher version is stored.
-    Older {
-        /// Version that is stored.
-        stored: u32,
+    /// It is not signed: it may be used until the next start, and is not stored.
+    Unsigned,
+    /// The firmware has no key by which it knows signatures.
+    NoKey,
+    /// It has no serial number, so that its signature would hold for every camera.
+    NoSerial,
+    /// The signature is not that of the camera's key, or is one of another calibration, origin or
+    /// permission.
+    WrongSignature,
+    /// Its version is not higher than all that were stored, and it has no permission.
+    VersionNotRisen {
+        /// Highest version that was stored.
+        highest: u32,
+    },
+    /// Its permission names another calibration than the one that is stored now.
+    OtherPermission {
+        /// The store that a permission has to name; `None` if nothing is stored.
+        newest: Option<Permission>,
     },
     /// Its residual grids are not in use.
     Grids(GridMemoryError),
@@ -213,7 +234,23 @@ impl fmt::Display for NotStored {
                     "the calibration is of another camera than serial {camera}"
                 )
             }
-            Self::Older { stored } => write!(f, "version {stored} is stored, which is higher"),
+            Self::Unsigned => f.write_str("it is not signed"),
+            Self::NoKey => f.write_str("the firmware has no key that verifies signatures"),
+            Self::NoSerial => f.write_str("it has no serial number: it is signed for no camera"),
+            Self::WrongSignature => f.write_str(
+                "the signature is not that of the camera's key, or is one of something else",
+            ),
+            Self::VersionNotRisen { highest } => write!(
+                f,
+                "its version is not higher than {highest}, which has been stored, and it has no \
+                 permission"
+            ),
+            Self::OtherPermission {
+                newest: Some(newest),
+            } => write!(f, "its permission is not for what is stored now: {newest}"),
+            Self::OtherPermission { newest: None } => {
+                f.write_str("it has a permission, and nothing is stored")
+            }
             Self::Grids(error) => error.fmt(f),
             Self::NoGridMemory => f.write_str("the camera has no memory for residual grids"),
             Self::Frame(error) => write!(f, "the probe point has no frame: {error}"),

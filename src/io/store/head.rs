@@ -2,6 +2,7 @@
 
 use heapless::Vec;
 
+use super::authentication::Authentication;
 use super::body::{CARRIERS, Head};
 use super::fault::NotStored;
 use super::origin::Origin;
@@ -10,6 +11,14 @@ use crate::flight::camera::{Camera, CameraParameters};
 use crate::flight::grid_memory::{GridMemory, GridMemoryError};
 use crate::geometry::grid::GridCarrier;
 use crate::io::link::loading::Upload;
+
+/// Origin of a calibration, with what was checked of it.
+pub(super) struct SignedOrigin<'a> {
+    pub(super) origin: &'a Origin,
+    pub(super) authentication: Authentication,
+    /// Highest version that the camera will have stored.
+    pub(super) highest: u32,
+}
 
 /// Returns the files of the grids that parameters state, which have to be in use.
 pub(super) fn files_in_use<'a>(
@@ -41,20 +50,21 @@ pub(super) fn files_in_use<'a>(
     Ok(files)
 }
 
-/// Returns the head of a record.
+/// Returns the head of a record of a camera with these parameters.
 pub(super) fn of(
     camera: &Camera,
-    parameters: &CameraParameters,
-    origin: &Origin,
+    upload: &Upload,
+    signed: &SignedOrigin<'_>,
     memory: Option<&GridMemory>,
     files: [&[u8]; 2],
 ) -> Result<Head, NotStored> {
     let in_use = memory.and_then(GridMemory::in_use);
-    let grids = in_use.filter(|_| !parameters.grids.is_empty());
-    let upload = Upload::of(parameters).ok_or(NotStored::TooLong)?;
+    let grids = in_use.filter(|_| !camera.grid_checksums().is_empty());
     let [lens_bytes, sensor_bytes] = files.map(|file| u16::try_from(file.len()));
     Ok(Head {
-        origin: origin.clone(),
+        origin: signed.origin.clone(),
+        authentication: signed.authentication,
+        highest: signed.highest,
         probe: ProbePoint::of(camera, grids.as_ref()).map_err(NotStored::Frame)?,
         grid_bytes: [
             lens_bytes.map_err(|_| NotStored::TooLong)?,

@@ -2,6 +2,7 @@
 
 use core::fmt;
 
+use super::authentication::Signature;
 use super::origin::{DATE_BYTES, LABORATORY_BYTES, LENS_BYTES};
 use crate::geometry::grid::MAX_FILE_BYTES;
 use crate::io::link::CALIBRATION_CAPACITY;
@@ -15,12 +16,21 @@ pub const SEAL_WORDS: u16 = 7;
 
 /// Version of the format of a record. It changes whenever body or parameters do; the commit word
 /// keeps its layout in every version, so that a firmware names a record that it cannot read.
-pub const FORMAT_VERSION: u16 = 1;
+pub const FORMAT_VERSION: u16 = 2;
 
-/// Most bytes of a record's head: its length, the texts of the origin with theirs, five numbers of
-/// the probe point and four that take up to five bytes, two lengths of grids, and the parameters.
+/// Most bytes of an origin: its texts with their lengths.
+pub(super) const ORIGIN_BYTES: usize = 3 + LENS_BYTES + LABORATORY_BYTES + DATE_BYTES;
+
+/// Most bytes of a permission that may be missing: two numbers of up to five bytes.
+pub(super) const PERMISSION_BYTES: usize = 1 + 2 * 5;
+
+/// Most bytes of a record's head: its length, the origin, the signature, the permission, the
+/// highest version, five numbers of the probe point and four that take up to five bytes, two
+/// lengths of grids, and the parameters.
 pub(super) const HEAD_BYTES: usize = 2
-    + (3 + LENS_BYTES + LABORATORY_BYTES + DATE_BYTES)
+    + ORIGIN_BYTES
+    + (Signature::BYTES + PERMISSION_BYTES)
+    + 5
     + (5 * 4 + 4 * 5)
     + 2 * 3
     + (2 + CALIBRATION_CAPACITY);

@@ -13,6 +13,11 @@ pub struct StoredIdentity {
     pub id: CalibrationId,
     /// Origin.
     pub origin: Origin,
+    /// Number of its store, by which a permission names it ([`Permission`](super::Permission)).
+    pub store: u32,
+    /// Highest version that this camera has ever stored: without a permission only a higher one is
+    /// stored.
+    pub highest_version: u32,
     /// Slot in which it lies, 0 or 1.
     pub slot: u8,
     /// Fault of the other slot; `None` if its record is older, or was not read.

@@ -17,7 +17,9 @@ use fmc_camera::io::link::{
 };
 use fmc_camera::io::mavlink::MavlinkReceiver;
 use fmc_camera::io::nmea::NmeaReceiver;
-use fmc_camera::io::store::{CalibrationStore, NothingStored, Origin, ProbePoint};
+use fmc_camera::io::store::{
+    CalibrationStore, NothingStored, Origin, ProbePoint, PublicKey, Signature, Statement,
+};
 
 use crate::flash::Flash;
 
@@ -84,8 +86,8 @@ pub(crate) fn keep() {
         Station::<RigDeck>::deck_mut,
         Station::<RigDeck>::keep_grids_in,
         Station::<RigDeck>::grid_memory_mut,
-        Station::<RigDeck>::load_stored::<Flash>,
-        Station::<RigDeck>::store::<Flash>,
+        Station::<RigDeck>::load_stored::<Flash, PublicKey>,
+        Station::<RigDeck>::store::<Flash, PublicKey>,
         MavlinkReceiver::new,
         MavlinkReceiver::receive,
         MavlinkReceiver::buffered,
@@ -97,6 +99,7 @@ pub(crate) fn keep() {
         NmeaReceiver::take_unexplained,
         Store::new,
         Store::of_camera,
+        Store::trusting::<PublicKey>,
         Store::flash_mut,
         Store::into_flash,
         Store::load,
@@ -109,5 +112,12 @@ pub(crate) fn keep() {
         ProbePoint::bits,
         ProbePoint::computed,
         NothingStored::is_blank,
+        PublicKey::new,
+        PublicKey::from_pem,
+        PublicKey::bytes,
+        Signature::new,
+        Signature::to_bytes,
+        Statement::of,
+        Statement::pieces,
     ];
 }
