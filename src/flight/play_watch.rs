@@ -6,6 +6,9 @@ use super::index_watch::{
 };
 use super::play::PLAY_SIGMA_PART;
 
+/// Part of the speed of a reference below which a slower pair takes its place.
+const SLOWER_PART: f32 = 0.8;
+
 /// Way between the readings at the index mark on the ways along the FMC axis and against it.
 ///
 /// # Model
@@ -15,8 +18,8 @@ use super::play::PLAY_SIGMA_PART;
 /// grows makes it smaller; and so do counts that are lost in between, which the next crossing along
 /// the axis shows apart, and an encoder that counts another length from a place near the mark on,
 /// which that crossing does not show. The width is nobody's setting: the slowest and steadiest pair
-/// of crossings since the camera was prepared is the reference: that of arming, until a slower one
-/// agrees with it within the steps. With the notation of
+/// of crossings since the camera was prepared is the reference: that of arming, until one that is
+/// slower by a fifth agrees with it within the steps. With the notation of
 /// [`IndexWatch`](super::index_watch::IndexWatch) for each pair, v and u the sums of both speeds, d
 /// and c of both changes, the difference g of two pairs agrees up to
 ///
@@ -144,8 +147,9 @@ impl PlayWatch {
         } else {
             beyond_mm
         };
-        // A play that grows slowly must not take its own reference along.
-        if beyond_mm <= 0.0 && latest.is_better_than(&reference) {
+        // A play that grows slowly takes its own reference along at most as often as this.
+        let is_slower = latest.speed_mm_s < SLOWER_PART * reference.speed_mm_s;
+        if beyond_mm <= 0.0 && is_slower && latest.is_better_than(&reference) {
             self.reference = Some(latest);
         }
         Some(Compared {

@@ -107,8 +107,8 @@ mod tests {
         }
     }
 
-    fn of(range: [u32; 2]) -> Option<InDoubt> {
-        Some(InDoubt::between(range, LOST_MM, false))
+    fn of(range: [u32; 2]) -> InDoubt {
+        InDoubt::between(range, LOST_MM, false)
     }
 
     #[test]
@@ -121,7 +121,7 @@ mod tests {
         unconfirmed.wait(&record(4, true, false));
         // The next has no crossing, and says so itself.
         unconfirmed.wait(&record(5, false, false));
-        assert_eq!(unconfirmed.take_counts(), of([4, 4]));
+        assert_eq!(unconfirmed.take_counts(), Some(of([4, 4])));
         assert_eq!(unconfirmed.take(), None);
     }
 
@@ -133,13 +133,13 @@ mod tests {
         unconfirmed.wait(&record(4, true, true));
         unconfirmed.confirm_counts();
         // All since are asked about where a pair differs, the last where none comes.
-        assert_eq!(unconfirmed.take_pair(), of([4, 4]));
+        assert_eq!(unconfirmed.take_pair(), Some(of([4, 4])));
         unconfirmed.wait(&record(5, true, true));
         unconfirmed.wait(&record(6, true, true));
         assert_eq!(unconfirmed.confirm_pair(), Some(5));
         assert_eq!(unconfirmed.confirm_pair(), None);
         unconfirmed.wait(&record(7, true, true));
         unconfirmed.wait(&record(8, false, true));
-        assert_eq!(unconfirmed.take(), of([7, 8]));
+        assert_eq!(unconfirmed.take(), Some(of([7, 8])));
     }
 }
