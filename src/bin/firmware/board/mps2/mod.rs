@@ -84,7 +84,7 @@ impl Board {
             assert!(
                 KEY.is_some(),
                 "FMC_PUBLIC_KEY names no public key of Ed25519"
-            )
+            );
         }
         let store = CalibrationStore::new(self.flash, 0).ok()?;
         Some(store.trusting(KEY?))
