@@ -133,7 +133,8 @@ mod tests {
             word[28..].copy_from_slice(&crc);
             Commit::parse(&word)
         };
-        assert_eq!(with(2, 14), Err(SlotFault::Format(2)));
+        let other = FORMAT_VERSION + 1;
+        assert_eq!(with(other, 14), Err(SlotFault::Format(other)));
         assert_eq!(with(FORMAT_VERSION, 0), Err(SlotFault::Length(0)));
         let long = MAX_BODY_WORDS + 1;
         assert_eq!(with(FORMAT_VERSION, long), Err(SlotFault::Length(long)));
