@@ -1,7 +1,7 @@
 //! Steps of `cargo xtask test`: what each needs and runs. [`crate::schedule`] determines their
 //! order.
 
-use std::{process::ExitCode, time::Instant};
+use std::{fs, process::ExitCode, time::Instant};
 
 use anyhow::Result;
 use clap::ValueEnum;
@@ -51,6 +51,8 @@ pub(crate) enum Step {
     HostTests,
     /// Verify every coordinate against the strict solver, with the camera in this process
     Verify,
+    /// Fly a twentieth of the campaign of faults, with the camera in this process
+    Campaign,
     /// Prove the bounds of the rounding with Gappa
     Rounding,
     /// Let `OpenCV` and COLMAP read exported cameras and project points
@@ -106,6 +108,7 @@ impl Step {
             | Self::Supply
             | Self::HostTests
             | Self::Verify
+            | Self::Campaign
             | Self::Exchange
             | Self::Python
             | Self::Web => &[],
@@ -151,6 +154,19 @@ pub(crate) fn failure(step: Step) -> String {
     format!("step {name} failed; run it again alone with `cargo xtask test --only {name}`")
 }
 
+/// Flies a twentieth of the campaign anew, which takes a minute.
+fn campaign(workspace: &Workspace) -> Result<()> {
+    let host_sim = verify::tested_host_sim(workspace)?;
+    let out = workspace.target_dir.join("campaign");
+    // Otherwise a campaign of the same program would only be read again.
+    if out.exists() {
+        fs::remove_dir_all(&out)?;
+    }
+    let host_sim = workspace.shell.cmd(host_sim).quiet();
+    let campaign = host_sim.args(["campaign", "--quick", "--out"]).arg(out);
+    Ok(campaign.run()?)
+}
+
 fn run_step(step: Step, workspace: &Workspace, equipment: &Equipment<'_>) -> Result<()> {
     let target = || equipment.targets().map(|targets| &targets.armv7em);
     let command = match step {
@@ -182,6 +198,7 @@ fn run_step(step: Step, workspace: &Workspace, equipment: &Equipment<'_>) -> Res
             let verify = host_sim.args(["verify", "--device", "sil", "--out"]);
             verify.arg(verify::default_out(workspace))
         }
+        Step::Campaign => return campaign(workspace),
         Step::Rounding => return rounding::check(workspace, equipment.gappa()?),
         Step::Exchange => return exchange::check(workspace, equipment.toolbox()),
         Step::Python => return wheel::check(workspace, equipment.toolbox()),

@@ -51,6 +51,7 @@ const LANES: [&[Step]; 2] = [
         Step::Firmware,
         Step::BoardFlight,
         Step::Costs,
+        Step::Campaign,
     ],
 ];
 

@@ -2,6 +2,7 @@
 
 use std::io::{self, Write};
 
+use fmc_camera::io::link::message::Counters;
 use fmc_camera::io::store::{NothingStored, StoredIdentity};
 use serde::Serialize;
 
@@ -62,19 +63,24 @@ pub fn write_text(
     writeln!(sink, "{}", terminal::pairs(NAMES, pairs))
 }
 
-/// Writes what is stored as JSON.
+/// Writes what is stored as JSON, with the counters of the link.
 ///
 /// # Errors
 /// Those of the sink.
 pub fn write_json(
     stored: &Result<StoredIdentity, NothingStored>,
+    link: Option<Counters>,
     sink: &mut dyn Write,
 ) -> io::Result<()> {
-    serde_json::to_writer_pretty(&mut *sink, &StoredReport::of(stored))?;
+    let report = StoredReport {
+        link,
+        ..StoredReport::of(stored)
+    };
+    serde_json::to_writer_pretty(&mut *sink, &report)?;
     writeln!(sink)
 }
 
-/// The stored calibration; without one all but `slot_faults` are `None`.
+/// The stored calibration; without one all but `slot_faults` and `link` are `None`.
 #[derive(Debug, Default, Serialize)]
 struct StoredReport {
     calibration: Option<CalibrationIdentity>,
@@ -88,6 +94,8 @@ struct StoredReport {
     is_sealed: Option<bool>,
     /// Fault of either slot; `None` for one that is sound, or was not read.
     slot_faults: [Option<String>; 2],
+    /// Counters of the link, as in the `summary.json` of `verify`.
+    link: Option<Counters>,
 }
 
 impl StoredReport {
@@ -110,6 +118,7 @@ impl StoredReport {
                     } else {
                         [other, None]
                     },
+                    link: None,
                 }
             }
             Err(nothing) => Self {

@@ -109,6 +109,9 @@ pub struct StoreArgs {
     /// Signature of the calibration, which `host-sim sign` writes.
     #[arg(long, value_name = "FILE")]
     pub signature: PathBuf,
+    /// Print JSON.
+    #[arg(long)]
+    pub json: bool,
 }
 
 /// Arguments of `camera status` and `camera stored`.

@@ -29,6 +29,17 @@ pub struct CampaignArgs {
     /// gives the same files, on any number of cores.
     #[arg(long, value_name = "N", default_value = "1", value_parser = clap::value_parser!(u64).range(0..=2_147_483_647), help_heading = ADVANCED)]
     pub seed: u64,
+    /// Part of what its record allows beyond which an exposure counts as silently bad, 0.1 to 1:
+    /// with less than 1 the findings are those that come closest to it.
+    #[arg(long, value_name = "PART", default_value = "1", value_parser = allowed, help_heading = ADVANCED)]
+    pub allowed: f64,
+}
+
+/// Reads a part of what a record allows.
+fn allowed(text: &str) -> Result<f64, String> {
+    let part = text.parse().ok();
+    part.filter(|part| (0.1..=1.0).contains(part))
+        .ok_or_else(|| "is not a number from 0.1 to 1".to_owned())
 }
 
 /// Reads the name of a fault.

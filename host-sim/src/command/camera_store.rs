@@ -1,7 +1,7 @@
 //! `camera store` and `camera stored`: the calibration in a camera's flash.
 
 use fmc_camera::flight::camera::Camera;
-use fmc_camera::io::link::message::Refusal;
+use fmc_camera::io::link::message::{Counters, Refusal};
 use fmc_camera::io::store::{NotStored, NothingStored, StoredIdentity};
 use fmc_certificate::calibration_signature::CalibrationSignature;
 use fmc_report::stored_calibration;
@@ -37,19 +37,26 @@ pub(super) fn store(args: &CameraArgs, of: &StoreArgs) -> Result<(), Failure> {
         device.put_into_use(parameters, grids).map_err(failed)?;
     }
     let record = device.store(&signature.order()).map_err(failed)?;
-    say(&Ok(record), false)
+    let counters = device.counters().map_err(failed)?;
+    say(&Ok(record), counters, of.json)
 }
 
 /// Says what is stored.
 pub(super) fn stored(args: &CameraArgs, as_json: bool) -> Result<(), Failure> {
     let mut device = args.device.open_keeping(Session::Reading)?;
-    say(&device.stored().map_err(failed)?, as_json)
+    let stored = device.stored().map_err(failed)?;
+    let counters = device.counters().map_err(failed)?;
+    say(&stored, counters, as_json)
 }
 
-fn say(stored: &Result<StoredIdentity, NothingStored>, as_json: bool) -> Result<(), Failure> {
+fn say(
+    stored: &Result<StoredIdentity, NothingStored>,
+    counters: Option<Counters>,
+    as_json: bool,
+) -> Result<(), Failure> {
     output::write(None, |sink| {
         if as_json {
-            stored_calibration::write_json(stored, sink)
+            stored_calibration::write_json(stored, counters, sink)
         } else {
             stored_calibration::write_text(stored, sink)
         }

@@ -32,6 +32,7 @@ pub(super) fn run(args: &CampaignArgs) -> Result<(), Failure> {
         seed: args.seed,
         pairs: args.pairs,
         quick: args.quick,
+        allowed: args.allowed,
     };
     let mut faults = args.fault.clone();
     faults.sort_unstable();
@@ -70,6 +71,7 @@ fn header(plan: &Plan, faults: &[InjectedFault]) -> Result<Header, Failure> {
         ("seed", plan.request.seed.to_string()),
         ("pairs", plan.request.pairs.to_string()),
         ("quick", plan.request.quick.to_string()),
+        ("allowed", plan.request.allowed.to_string()),
         ("faults", faults),
     ]))
 }
@@ -132,7 +134,8 @@ fn block_flown(
         let start = World::ALL.iter().zip(starts);
         let mut start = start.filter(|(world, _)| **world == one.world);
         if let Some((_, start)) = start.next() {
-            let outcome = run::fly(start, one.tick, &one.faults).map_err(|error| {
+            let flown = run::fly(start, one.tick, &one.faults, plan.request.allowed);
+            let outcome = flown.map_err(|error| {
                 Failure::device_or_io(format!("{}: {error}", one.description()))
             })?;
             outcomes.extend(outcome);

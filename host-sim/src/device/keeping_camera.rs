@@ -11,7 +11,7 @@ use super::remote::Remote;
 use super::{CorrectingDevice, DeviceError, RecordSource};
 
 /// A camera that may have a store for its calibration.
-pub trait KeepingCamera {
+pub trait KeepingCamera: CorrectingDevice<Error = DeviceError> {
     /// Sends a calibration with its residual grids, which is in use afterwards.
     ///
     /// # Errors

@@ -19,7 +19,8 @@ use crate::{
 /// Start address of the memory of variables on every Cortex-M.
 const RAM: u64 = 0x2000_0000;
 
-/// Part of the reports of `host-sim verify` and `mission` about the camera's end of the link.
+/// Part of the reports of `host-sim verify`, `mission` and `camera store` about the camera's end of
+/// the link.
 #[derive(Debug, Deserialize)]
 struct Summary {
     link: LinkSummary,
@@ -44,8 +45,15 @@ fn sizes(image: &Path) -> Result<(u64, u64)> {
 /// Exposures of the mission.
 const EXPOSURES: &str = "20";
 
-/// Measures the sizes of the flight image, and its stack during a mission and during the
-/// verification of one camera: the larger of the two, which is compared with the bound.
+/// Serial number and version, without which no calibration is stored.
+const IDENTITY: &str = "serial = \"5324\"\nversion = 1\n";
+
+/// Private half of the key that a firmware trusts unless it is built with another.
+const TEST_KEY: &str = "host-sim/keys/test-private-key.pem";
+
+/// Measures the sizes of the flight image, and its stack during a mission, during the verification
+/// of one camera, and while a calibration is stored: the largest of the three, which is compared
+/// with the bound.
 pub(super) fn footprint(
     workspace: &Workspace,
     target: &Target<'_>,
@@ -79,6 +87,8 @@ pub(super) fn footprint(
             .with_context(|| format!("summary.json of {arguments:?}"))?;
         stack_used_bytes = link.stack_used_bytes.max(stack_used_bytes);
     }
+    let of_store = stack_of_store(workspace, &host_sim, emulator)?;
+    stack_used_bytes = stack_used_bytes.max(of_store);
     let bound = StackBound::of(&workspace.root, &image)?;
     bound.check_used(stack_used_bytes)?;
     Ok(Footprint {
@@ -89,4 +99,27 @@ pub(super) fn footprint(
         stack_bound_bytes: Some(bound.bytes().into()),
         compiler: target.compiler()?,
     })
+}
+
+/// Returns the bytes of stack that were used while a signed calibration was stored in a new flash.
+fn stack_of_store(workspace: &Workspace, host_sim: &Path, emulator: &Emulator) -> Result<u64> {
+    let folder = workspace.target_dir.join("bench-store");
+    fs::create_dir_all(&folder)?;
+    let [camera, signature, flash] =
+        ["camera.toml", "signature.json", "flash.bin"].map(|name| folder.join(name));
+    if flash.exists() {
+        fs::remove_file(&flash)?;
+    }
+    let text = fs::read_to_string(workspace.root.join("host-sim/cameras/rc30-5324.toml"))?;
+    fs::write(&camera, format!("{IDENTITY}{text}"))?;
+    let host_sim = || workspace.shell.cmd(host_sim).quiet();
+    let sign = host_sim().arg("sign").arg("--camera").arg(&camera);
+    let sign = sign.arg("--key").arg(workspace.root.join(TEST_KEY));
+    sign.arg("--out").arg(&signature).ignore_stdout().run()?;
+    let store = host_sim().args(["camera", "--device", "qemu", "--flash"]);
+    let store = store.arg(&flash).args(["store", "--json", "--camera"]);
+    let store = store.arg(&camera).arg("--signature").arg(&signature);
+    let stored = store.env("PATH", emulator.search_path()?).read()?;
+    let Summary { link } = serde_json::from_str(&stored).context("JSON of camera store")?;
+    Ok(link.stack_used_bytes)
 }

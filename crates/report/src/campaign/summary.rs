@@ -100,13 +100,20 @@ impl Summary {
 
     fn limits(&self) -> Vec<LimitCheck> {
         let runs = self.runs + self.pairs;
+        let bad = match self.request.allowed {
+            1.0.. => "silent bad exposures".to_owned(),
+            allowed => format!("exposures beyond {allowed} of what is allowed"),
+        };
         let counts = [
-            ("silent bad exposures", self.silent_bad_exposures),
-            ("triggers without a record", self.unanswered_triggers),
+            (bad, self.silent_bad_exposures),
+            (
+                "triggers without a record".to_owned(),
+                self.unanswered_triggers,
+            ),
         ];
         let mut checks: Vec<LimitCheck> = counts
             .map(|(what, count)| LimitCheck {
-                what: what.to_owned(),
+                what,
                 found: wording::count(u64::from(count)),
                 limit: "0".to_owned(),
                 // A check over nothing is not passed.

@@ -16,7 +16,7 @@ const PAIRS_IN_A_BLOCK: u32 = 500;
 const QUICK: u64 = 20;
 
 /// A request.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Request {
     /// Seed of the world, of the pairs and of the choice of a quick campaign.
     pub seed: u64,
@@ -24,6 +24,8 @@ pub struct Request {
     pub pairs: u32,
     /// `true` if a twentieth is flown, which the seed selects.
     pub quick: bool,
+    /// Part of what its record allows beyond which an exposure is counted as silently bad.
+    pub allowed: f64,
 }
 
 /// Runs that are flown and stored together.
@@ -169,6 +171,7 @@ mod tests {
             seed: 1,
             pairs: 100_000,
             quick,
+            allowed: 1.0,
         };
         Plan::new(request, &[])
     }

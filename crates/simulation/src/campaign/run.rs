@@ -8,7 +8,7 @@ use super::outcome::Outcome;
 use super::world::{INTERVAL_MS, OriginalFlight, next_us};
 use crate::judge::answers::Answers;
 use crate::judge::quantity::Quantity;
-use crate::judge::silence::{SILENT_SIGMAS, is_silent, smear_used};
+use crate::judge::silence::{SILENT_SIGMAS, smear_used};
 use crate::judge::verdict::Verdict;
 use crate::mission::clock::{microseconds, seconds};
 use crate::mission::device::FlyingDevice;
@@ -49,12 +49,15 @@ pub fn last_trigger_us(injections: &[Injection], faults: &[Delayed]) -> u64 {
 
 /// Flies a run from a tick of the cycle on; `None` for a tick that the cycle does not have.
 ///
+/// `allowed` is the part of what its record allows by which a frame may be off.
+///
 /// # Errors
 /// An error if the camera fails.
 pub fn fly<D: FlyingDevice + Clone>(
     start: &OriginalFlight<D>,
     tick: u32,
     faults: &[Delayed],
+    allowed: f64,
 ) -> Result<Option<Outcome>, D::Error> {
     let Some(mut flight) = start.flight(tick) else {
         return Ok(None);
@@ -77,7 +80,7 @@ pub fn fly<D: FlyingDevice + Clone>(
         .map(|injection| microseconds(injection.onset_s))
         .min()
         .unwrap_or(0);
-    Ok(Some(judged(start, &flown, onset_us, arrived_us)))
+    Ok(Some(judged(start, &flown, onset_us, arrived_us, allowed)))
 }
 
 fn judged<D>(
@@ -85,6 +88,7 @@ fn judged<D>(
     flown: &Flown,
     onset_us: u64,
     arrived_us: Option<u64>,
+    allowed: f64,
 ) -> Outcome {
     let verdicts = verdicts(&start.scenario, flown);
     let effect = start.baseline.first_effect(flown, &verdicts, onset_us);
@@ -105,7 +109,7 @@ fn judged<D>(
     let silent: Vec<u32> = judged()
         .filter(|(frame, verdict)| {
             if let Some(verdict) = verdict {
-                is_silent(verdict)
+                worst_of(verdict).is_some_and(|(_, used)| used > allowed)
             } else {
                 let is_plain = frame.record.faults.is_empty()
                     && frame
@@ -249,7 +253,7 @@ mod tests {
             duration_s: 1e-6,
             ..*Case::all().first().unwrap()
         };
-        let outcome = fly(&start, 7, &[(nothing, 0)]).unwrap().unwrap();
+        let outcome = fly(&start, 7, &[(nothing, 0)], 1.0).unwrap().unwrap();
         assert_eq!(outcome.arrived_ms, None);
         assert_eq!(outcome.effect, Outcome::NO_EFFECT);
         assert!(outcome.exposed >= 3 && outcome.silent_bad() == 0);
@@ -257,9 +261,9 @@ mod tests {
             .into_iter()
             .find(|case| case.fault == InjectedFault::Stall && case.size > 50.0)
             .unwrap();
-        let outcome = fly(&start, 7, &[(jam, 0)]).unwrap().unwrap();
+        let outcome = fly(&start, 7, &[(jam, 0)], 1.0).unwrap().unwrap();
         assert_eq!(outcome.effect, "fault stall");
         assert!(outcome.arrived_ms.is_some());
-        assert_eq!(fly(&start, 360, &[(jam, 0)]).unwrap(), None);
+        assert_eq!(fly(&start, 360, &[(jam, 0)], 1.0).unwrap(), None);
     }
 }
