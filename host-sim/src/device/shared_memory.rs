@@ -3,6 +3,8 @@
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io;
 use std::path::{Path, PathBuf};
+use std::thread;
+use std::time::{Duration, Instant};
 
 use tempfile::{NamedTempFile, TempPath};
 
@@ -17,6 +19,10 @@ static BLOCKS: [u8; 0x5000] = [0; 0x5000];
 /// Place and contents of the mark of a file that keeps a flash.
 const MARK_AT: u64 = 0xf_0000;
 const MARK: [u8; 32] = *b"flash of the fmc-camera in QEMU\n";
+
+/// Time for which a lock is waited for. A program that this one is about to start holds the lock,
+/// though it is given back here, until it has closed what it is not to have.
+const LOCK_WAIT: Duration = Duration::from_secs(1);
 
 /// The file, for as long as the machine runs.
 #[derive(Debug)]
@@ -69,7 +75,7 @@ impl SharedMemory {
             .truncate(false)
             .open(path);
         let file = opened.map_err(|error| failed(format!("cannot be opened: {error}")))?;
-        file.try_lock().map_err(|error| match error {
+        lock(&file).map_err(|error| match error {
             TryLockError::WouldBlock => failed("is in use by another program".to_owned()),
             TryLockError::Error(error) => failed(format!("cannot be locked: {error}")),
         })?;
@@ -135,6 +141,19 @@ pub(super) fn read_at(_: &File, _: u64, _: &mut [u8]) -> io::Result<()> {
 #[cfg(not(unix))]
 pub(super) fn write_at(_: &File, _: u64, _: &[u8]) -> io::Result<()> {
     Err(io::ErrorKind::Unsupported.into())
+}
+
+/// Locks a file for this program.
+fn lock(file: &File) -> Result<(), TryLockError> {
+    let until = Instant::now() + LOCK_WAIT;
+    loop {
+        match file.try_lock() {
+            Err(TryLockError::WouldBlock) if Instant::now() < until => {
+                thread::sleep(Duration::from_millis(5));
+            }
+            result => return result,
+        }
+    }
 }
 
 #[cfg(all(test, unix))]
