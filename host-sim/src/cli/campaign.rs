@@ -31,7 +31,7 @@ pub struct CampaignArgs {
     pub seed: u64,
     /// Part of what its record allows beyond which an exposure counts as silently bad, 0.1 to 1:
     /// with less than 1 the findings are those that come closest to it.
-    #[arg(long, value_name = "PART", default_value = "1", value_parser = allowed, help_heading = ADVANCED)]
+    #[arg(long, value_name = "PART", default_value = "1", value_parser = allowed, allow_negative_numbers = true, help_heading = ADVANCED)]
     pub allowed: f64,
 }
 
