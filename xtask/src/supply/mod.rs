@@ -35,6 +35,10 @@ pub(crate) fn run(workspace: &Workspace, update: bool) -> Result<ExitCode> {
 /// An error that names every crate that is not listed, or breaks a rule.
 pub(crate) fn check(workspace: &Workspace) -> Result<()> {
     unsafe_list::check(&workspace.root)?;
+    // The targets of the fuzzing, which no other step builds, have a lock of their own.
+    let fuzz = "metadata --locked --format-version 1 --manifest-path fuzz/Cargo.toml";
+    let locked = workspace.cargo(fuzz).quiet().ignore_stdout();
+    locked.run().context("fuzz/Cargo.lock")?;
     let parts = image::parts(workspace)?;
     let mut faults = rules::faults(&parts);
     faults.extend(differences(&read(&workspace.root.join(LIST))?, &parts));

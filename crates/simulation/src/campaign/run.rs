@@ -7,9 +7,7 @@ use super::effect::Effect;
 use super::outcome::Outcome;
 use super::world::{INTERVAL_MS, OriginalFlight, next_us};
 use crate::judge::answers::Answers;
-use crate::judge::quantity::Quantity;
-use crate::judge::silence::{SILENT_SIGMAS, smear_used};
-use crate::judge::verdict::Verdict;
+use crate::judge::silence::largest_used;
 use crate::mission::clock::{microseconds, seconds};
 use crate::mission::device::FlyingDevice;
 use crate::mission::fault::Injection;
@@ -109,7 +107,7 @@ fn judged<D>(
     let silent: Vec<u32> = judged()
         .filter(|(frame, verdict)| {
             if let Some(verdict) = verdict {
-                worst_of(verdict).is_some_and(|(_, used)| used > allowed)
+                largest_used(verdict).is_some_and(|(_, used)| used > allowed)
             } else {
                 let is_plain = frame.record.faults.is_empty()
                     && frame
@@ -123,7 +121,7 @@ fn judged<D>(
         .map(|(frame, _)| frame.record.sequence)
         .collect();
     let worst = judged()
-        .filter_map(|(_, verdict)| worst_of(verdict.as_ref()?))
+        .filter_map(|(_, verdict)| largest_used(verdict.as_ref()?))
         .max_by(|(_, one), (_, other)| one.total_cmp(other));
     Outcome {
         arrived_ms: arrived_us.map(after_ms),
@@ -141,24 +139,6 @@ fn judged<D>(
         exposed: u32::try_from(judged().filter(|(_, verdict)| verdict.is_some()).count())
             .unwrap_or(u32::MAX),
     }
-}
-
-/// Returns the largest part of what its record allows that an error of a frame without fault or
-/// flag takes, and the name of the quantity; `None` for other frames, which nobody is to trust.
-fn worst_of(verdict: &Verdict) -> Option<(&'static str, f64)> {
-    let sigmas = |quantity: Quantity| {
-        let stated = verdict.of_quantity(quantity)?;
-        Some((quantity.name(), stated.ratio().abs() / SILENT_SIGMAS))
-    };
-    [
-        sigmas(Quantity::PrincipalPoint),
-        sigmas(Quantity::Utc),
-        Some(("smear", smear_used(verdict))),
-    ]
-    .into_iter()
-    .flatten()
-    .max_by(|(_, one), (_, other)| one.total_cmp(other))
-    .filter(|_| !verdict.is_flagged)
 }
 
 /// Returns the number of exposures of which no record says anything: neither an exposure nor a

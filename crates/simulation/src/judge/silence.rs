@@ -18,18 +18,34 @@ pub const SILENT_SMEAR_TIMES: f64 = 2.19;
 /// than [`SILENT_SIGMAS`], or smear that no chance explains ([`smear_used`]).
 #[must_use]
 pub fn is_silent(frame: &Verdict) -> bool {
-    let is_wrong = [Quantity::PrincipalPoint, Quantity::Utc]
-        .into_iter()
-        .any(|quantity| {
-            frame
-                .of_quantity(quantity)
-                .is_some_and(|stated| stated.ratio().abs() > SILENT_SIGMAS)
-        });
-    !frame.is_flagged && (is_wrong || is_smear_silent(frame))
+    largest_used(frame).is_some_and(|(_, used)| used > 1.0)
 }
 
-/// Returns true if the smear is more than [`SILENT_SMEAR_PX`] above the predicted one and either
-/// the compensation is, or the smear is more than [`SILENT_SMEAR_TIMES`] the predicted one.
+/// Returns the largest part of what its record allows that an error of a frame without fault or
+/// flag takes, and the name of the quantity; `None` for other frames, which nobody is to trust.
+#[must_use]
+pub fn largest_used(frame: &Verdict) -> Option<(&'static str, f64)> {
+    let sigmas = |quantity: Quantity| {
+        let stated = frame.of_quantity(quantity)?;
+        Some((quantity.name(), stated.ratio().abs() / SILENT_SIGMAS))
+    };
+    let smear = Some(("smear", smear_used(frame)));
+    [
+        sigmas(Quantity::PrincipalPoint),
+        sigmas(Quantity::Utc),
+        smear,
+    ]
+    .into_iter()
+    .flatten()
+    .max_by(|(_, one), (_, other)| one.total_cmp(other))
+    .filter(|_| !frame.is_flagged)
+}
+
+/// Returns the smear above the predicted one in parts of that beyond which a frame without a flag
+/// is silent; 0 for one below it.
+///
+/// That is [`SILENT_SMEAR_PX`] for what the compensation leaves, and for all smear the larger of
+/// that and [`SILENT_SMEAR_TIMES`] the predicted smear, less the predicted one.
 ///
 /// # Model
 /// A prediction is wrong in one of 20 frames by its own definition, and in a gust in several one
@@ -38,12 +54,6 @@ pub fn is_silent(frame: &Verdict) -> bool {
 /// the motion along the FMC axis that compensation leaves, which neither attitude nor wind across
 /// the track enters. That part has no allowance for chance. The rest, which the camera cannot
 /// compensate, is judged as principal point and time are, by what the record states.
-fn is_smear_silent(frame: &Verdict) -> bool {
-    smear_used(frame) > 1.0
-}
-
-/// Returns the smear above the predicted one in parts of that beyond which a frame without a flag
-/// is silent; 0 for one below it.
 #[must_use]
 pub fn smear_used(frame: &Verdict) -> f64 {
     let used = |px: f64, allowed_px: f64| (px - frame.predicted_px) / allowed_px;
