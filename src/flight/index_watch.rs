@@ -3,6 +3,7 @@
 use super::controller::timing::TICK_S;
 use super::drive::settings::DriveSettings;
 use super::in_doubt::InDoubt;
+use super::stage_track::TrackSpeed;
 
 /// Number of σ by which two crossings may differ: one in a million does by chance alone.
 pub(crate) const AGREE_SIGMA: f32 = 5.0;
@@ -17,6 +18,9 @@ pub(crate) const UNSEEN_PART: f32 = 0.15;
 /// Part, as σ, of a difference of two crossings that agree, beyond what the encoder's steps make:
 /// all of it if counts were lost, nothing if the motion was uneven.
 pub(crate) const OFF_PART: f32 = 0.5;
+
+/// Number of σ of an evenly distributed error within which it lies.
+const EVEN_SIGMA: f32 = 1.73;
 
 /// Number of σ of the records since the last crossing, by what they hold of it, beyond which the
 /// difference of the next leaves them in doubt.
@@ -45,12 +49,16 @@ pub(crate) const SUSPECT_SIGMA: f32 = 3.0;
 ///
 /// # σ of a record
 /// A record with a crossing since the one before is *referenced*. Its σ is not below
-/// [`UNSEEN_PART`] of the tolerance of another crossing like that: as much may be lost unseen. To
-/// that is added [`OFF_PART`] of the difference of that crossing from the reference, or from the
-/// settings if that is larger, beyond the steps: uneven motion, or counts that were lost. Without a
-/// crossing, as on a camera without a mark, each of the n records since the last may have lost a
-/// step that the stage's watch lets pass, up to L either way and independent of the others:
-/// `σ² = n·L²/3`. The difference of a crossing that did not agree is added to that.
+/// [`UNSEEN_PART`] of the tolerance e of another crossing like that: as much may be lost unseen. In
+/// that e, d and c are the changes that an even acceleration does not explain: of a stage that
+/// accelerates evenly the speed at the mark is known. To that is added [`OFF_PART`] of the
+/// difference of that crossing from the reference and of the reference from the settings, both, or
+/// the larger of a crossing that becomes the reference: uneven motion, or counts that were lost.
+/// The part that the steps make and [`EVEN_SIGMA`] times the error of the age, with the difference
+/// of the speeds, are no such difference: that error is in σ of every record. Without a crossing,
+/// as on a camera without a mark, each of the n records since the last may have lost a step that
+/// the stage's watch lets pass, up to L either way and independent of the others: `σ² = n·L²/3`.
+/// The difference of a crossing that did not agree is added to that.
 ///
 /// Counts that are lost after a crossing and before the exposure are seen at the next: a difference
 /// beyond [`SUSPECT_SIGMA`] of what the σ of the records in between holds leaves these in doubt,
@@ -59,10 +67,11 @@ pub(crate) const SUSPECT_SIGMA: f32 = 3.0;
 pub(crate) struct IndexWatch {
     /// The slowest and steadiest crossing since the camera was armed.
     reference: Option<Passage>,
-    /// Difference of the last crossing from the reference, or from the settings if that is larger,
-    /// beyond that which the encoder's steps make, mm.
+    /// Difference of the last crossing from the reference and of that from the settings, beyond
+    /// that which the encoder's steps and the age of its readings make, mm.
     off_mm: f32,
-    /// Tolerance of another crossing like the last one that agreed, mm.
+    /// Tolerance of another crossing like the last one that agreed, of a stage that accelerates
+    /// evenly, mm.
     tolerance_mm: f32,
     /// Reading at the last crossing, mm, whether it agreed or not.
     last_mm: Option<f32>,
@@ -95,6 +104,8 @@ pub(crate) struct Passage {
     pub(crate) speed_mm_s: f32,
     /// Change of the speed between two readings, beyond what a step makes, mm/s.
     pub(crate) change_mm_s: f32,
+    /// The same beyond the change of an even acceleration, mm/s.
+    pub(crate) bend_mm_s: f32,
 }
 
 impl Passage {
@@ -106,6 +117,11 @@ impl Passage {
     /// Largest speed that the stage may have had.
     fn fastest_mm_s(&self) -> f32 {
         self.speed_mm_s + CHANGE_PART * self.change_mm_s
+    }
+
+    /// Largest change that an even acceleration does not explain, mm/s.
+    fn uneven_mm_s(&self) -> f32 {
+        self.bend_mm_s.min(self.change_mm_s)
     }
 }
 
@@ -139,10 +155,8 @@ pub(crate) struct LatchedIndex {
 pub(crate) struct Crossing {
     /// Reading of the encoder, as latched, mm.
     pub(crate) reading_mm: f32,
-    /// Speed, mm/s; negative against the FMC axis.
-    pub(crate) speed_mm_s: f32,
-    /// Change of the speed between two readings, mm/s.
-    pub(crate) change_mm_s: f32,
+    /// Speed there; negative against the FMC axis.
+    pub(crate) speed: TrackSpeed,
     /// Number of the first record whose exposure has not ended.
     pub(crate) next_sequence: u32,
 }
@@ -153,9 +167,10 @@ impl Crossing {
         // A step in a reading looks like a change.
         let of_step_mm_s = 1e-3 * drive.encoder_step_um / TICK_S;
         Passage {
-            place_mm: self.reading_mm + self.speed_mm_s * drive.velocity_loop.reading_age_s,
-            speed_mm_s: self.speed_mm_s,
-            change_mm_s: (self.change_mm_s - of_step_mm_s).max(0.0),
+            place_mm: self.reading_mm + self.speed.speed_mm_s * drive.velocity_loop.reading_age_s,
+            speed_mm_s: self.speed.speed_mm_s,
+            change_mm_s: (self.speed.change_mm_s - of_step_mm_s).max(0.0),
+            bend_mm_s: (self.speed.bend_mm_s - 2.0 * of_step_mm_s).max(0.0),
         }
     }
 }
@@ -227,17 +242,17 @@ impl IndexWatch {
         let place_mm = latest.place_mm;
         self.last_mm = Some(place_mm);
         let index_mm = drive.index_mm?;
-        let (expected_mm, tolerance_mm) = match self.reference {
-            Some(reference) => (
-                reference.place_mm,
-                repeat_tolerance_mm(drive, &latest, &reference),
-            ),
-            None => (index_mm, place_tolerance_mm(drive, &latest, index_mm)),
+        let (expected_mm, at_mm_s, agreed_mm) = if let Some(reference) = self.reference {
+            let tolerance_mm = repeat_tolerance_mm(drive, &latest, &reference);
+            (reference.place_mm, reference.speed_mm_s, tolerance_mm)
+        } else {
+            let tolerance_mm = place_tolerance_mm(drive, &latest, index_mm);
+            (index_mm, 0.0, tolerance_mm)
         };
         self.is_missed = false;
         let last = crossing.next_sequence.saturating_sub(1);
         let off_mm = place_mm - expected_mm;
-        if libm::fabsf(off_mm) > tolerance_mm {
+        if libm::fabsf(off_mm) > agreed_mm {
             self.off_mm = libm::fabsf(off_mm);
             self.cycles = self.cycles.max(1);
             return Some(InDoubt::between([self.first_since, last], off_mm, true));
@@ -250,24 +265,35 @@ impl IndexWatch {
         self.reference = Some(reference);
         let steps_mm = steps_mm(drive);
         let beyond_mm = libm::fabsf(off_mm) - steps_mm;
-        // The place in the settings has no steps.
-        let of_settings_mm = libm::fabsf(place_mm - index_mm) - 0.5 * steps_mm;
+        // The error of the readings' age, which is in σ of every record, moves crossings at other
+        // speeds. The place in the settings has no steps, and the slowest crossing least of that.
+        let of_age = EVEN_SIGMA * drive.reading_age_sigma_s;
+        let of_speed_mm = of_age * libm::fabsf(latest.speed_mm_s - at_mm_s);
+        let of_settings_mm = libm::fabsf(reference.place_mm - index_mm)
+            - 0.5 * steps_mm
+            - of_age * reference.speed_mm_s;
         let covered_mm = SUSPECT_SIGMA
             * root_of_squares([UNSEEN_PART * self.tolerance_mm, OFF_PART * self.off_mm, 0.0]);
-        self.off_mm = beyond_mm.max(of_settings_mm).max(0.0);
+        let of_reference_mm = (beyond_mm - of_speed_mm).max(0.0);
+        let of_settings_mm = of_settings_mm.max(0.0);
+        self.off_mm = if reference == latest {
+            of_reference_mm.max(of_settings_mm)
+        } else {
+            of_reference_mm + of_settings_mm
+        };
         let is_suspect = self.tolerance_mm > 0.0 && self.off_mm > covered_mm;
         let in_doubt = (is_suspect && self.crossed_before <= last)
             .then(|| InDoubt::between([self.crossed_before, last], off_mm, false));
         self.crossed_before = crossing.next_sequence;
-        let slowest = Passage {
-            speed_mm_s: if self.is_flown {
-                reference.speed_mm_s
-            } else {
-                0.0
-            },
-            ..reference
+        let slowest_mm_s = if self.is_flown {
+            reference.speed_mm_s
+        } else {
+            0.0
         };
-        self.tolerance_mm = repeat_tolerance_mm(drive, &latest, &slowest);
+        // Of an even acceleration the speed at the mark is known.
+        let sigma_mm = repeat_sigma_mm(drive, latest.speed_mm_s - slowest_mm_s);
+        let bend_mm_s = latest.uneven_mm_s() + reference.uneven_mm_s();
+        self.tolerance_mm = tolerance_mm(drive, sigma_mm, bend_mm_s);
         self.cycles = 0;
         if beyond_mm <= 0.0 {
             self.first_since = crossing.next_sequence;

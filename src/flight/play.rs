@@ -8,6 +8,9 @@ pub(crate) const PLAY_SIGMA_PART: f32 = 0.1;
 /// the motor's force changes from round to round.
 pub(crate) const TURNING_PART: f32 = 0.25;
 
+/// σ of a place that is evenly distributed, in parts of the length: 1/√12.
+const EVEN_PART: f32 = 0.288_675_13;
+
 /// Offset of the stage from its screw, which the encoder does not see, with its uncertainty.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct PlayOffset {
@@ -28,13 +31,15 @@ pub(crate) struct PlayOffset {
 ///
 /// The encoder is read now and then: where the screw turns round between two readings, it may have
 /// gone on by up to [`TURNING_PART`] of the difference of the two moves before it turned, which the
-/// readings do not show. One end of the interval moves as if it had.
+/// readings do not show. One end of the interval moves as if it had. A screw that one of the two
+/// moves leaves where it was may have turned round, too.
 ///
 /// Without force, vibration may move the stage from one flank to the other: both ends of the play
-/// are possible. An interval from lo to hi counts as two points, the flanks on which friction keeps
-/// the stage. A third offset, w, moves as hi does with a play that is larger by
-/// [`PLAY_SIGMA_PART`]: it differs from hi as long as the stage is where the far flank has left it.
-/// Mean (lo + hi)/2, `σ² = ((hi - lo)/2)² + (w - hi)²`.
+/// are possible. An interval from lo to hi counts as two points then, the flanks on which friction
+/// keeps the stage: h, its part of σ, is (hi - lo)/2. Once a flank has pushed the stage, an interval
+/// comes of turns alone, and the stage may be anywhere in it: h is (hi - lo)/√12. A third offset, w,
+/// moves as hi does with a play that is larger by [`PLAY_SIGMA_PART`]: it differs from hi as long as
+/// the stage is where the far flank has left it. Mean (lo + hi)/2, `σ² = h² + (w - hi)²`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Play {
     /// Least and largest possible offset, mm.
@@ -44,6 +49,8 @@ pub(crate) struct Play {
     worn_mm: f32,
     /// Last move of the screw, mm.
     moved_mm: f32,
+    /// A flank has pushed the stage.
+    is_followed: bool,
 }
 
 impl Play {
@@ -53,26 +60,34 @@ impl Play {
         high_mm: f32::INFINITY,
         worn_mm: f32::INFINITY,
         moved_mm: 0.0,
+        is_followed: false,
     };
 
     /// Returns the play after the screw has moved along the FMC axis by so much, mm.
     pub(crate) fn after(self, moved_mm: f32, play_mm: f32) -> Self {
-        let unseen_mm = if moved_mm * self.moved_mm < 0.0 {
-            TURNING_PART * (self.moved_mm - moved_mm)
-        } else {
-            0.0
-        };
         let worn_mm = (1.0 + PLAY_SIGMA_PART) * play_mm;
+        let low_mm = taken_up(self.low_mm, moved_mm, play_mm);
+        let high_mm = taken_up(self.high_mm, moved_mm, play_mm);
+        let seen = Self {
+            low_mm,
+            high_mm,
+            worn_mm: taken_up(self.worn_mm, moved_mm, worn_mm),
+            moved_mm,
+            is_followed: self.is_followed || low_mm >= high_mm,
+        };
+        if moved_mm * self.moved_mm > 0.0 {
+            return seen;
+        }
+        let unseen_mm = TURNING_PART * (self.moved_mm - moved_mm);
         let turned = |offset_mm: f32, play_mm: f32| {
             let at_turn_mm = taken_up(offset_mm, unseen_mm, play_mm);
             taken_up(at_turn_mm, moved_mm - unseen_mm, play_mm)
         };
-        let (low_mm, high_mm) = (self.low_mm, self.high_mm);
         Self {
-            low_mm: taken_up(low_mm, moved_mm, play_mm).min(turned(low_mm, play_mm)),
-            high_mm: taken_up(high_mm, moved_mm, play_mm).max(turned(high_mm, play_mm)),
-            worn_mm: taken_up(self.worn_mm, moved_mm, worn_mm).max(turned(self.worn_mm, worn_mm)),
-            moved_mm,
+            low_mm: seen.low_mm.min(turned(self.low_mm, play_mm)),
+            high_mm: seen.high_mm.max(turned(self.high_mm, play_mm)),
+            worn_mm: seen.worn_mm.max(turned(self.worn_mm, worn_mm)),
+            ..seen
         }
     }
 
@@ -89,11 +104,14 @@ impl Play {
     /// Returns the offset of the stage from its screw.
     pub(crate) fn offset(&self, play_mm: f32) -> PlayOffset {
         let (low_mm, high_mm) = (self.low_mm.min(play_mm), self.high_mm.min(play_mm));
-        let (offset_mm, half_mm) = (0.5 * (low_mm + high_mm), 0.5 * (high_mm - low_mm));
+        let part = if self.is_followed { EVEN_PART } else { 0.5 };
+        let (offset_mm, of_interval_mm) = (0.5 * (low_mm + high_mm), part * (high_mm - low_mm));
         let of_play_mm = self.worn_mm.min((1.0 + PLAY_SIGMA_PART) * play_mm) - high_mm;
         PlayOffset {
             offset_mm,
-            sigma_mm: fmc_camera_kernel::sqrt(half_mm * half_mm + of_play_mm * of_play_mm),
+            sigma_mm: fmc_camera_kernel::sqrt(
+                of_interval_mm * of_interval_mm + of_play_mm * of_play_mm,
+            ),
         }
     }
 }
@@ -108,6 +126,8 @@ mod tests {
     use super::*;
 
     const PLAY_MM: f32 = 0.02;
+    /// Moves before and after a turn that hardly goes beyond them.
+    const SLOW_MM: f32 = 2e-5;
     const NONE: PlayOffset = PlayOffset {
         offset_mm: 0.0,
         sigma_mm: 0.0,
@@ -136,17 +156,18 @@ mod tests {
 
     #[test]
     fn half_taken_up_play_is_half_known() {
+        // Until a flank has pushed it, the stage is on one or the other.
         let unknown = after(&[]);
         assert!((unknown.offset_mm - 0.5 * PLAY_MM).abs() < 1e-8);
         assert!((0.5..0.51).contains(&(unknown.sigma_mm / PLAY_MM)));
-        // From a known flank the way back tells the offset, too.
-        let on_the_way = after(&[0.5, 0.0, -0.005]);
-        assert!((on_the_way.offset_mm - 0.005).abs() < 1e-8);
-        assert!(on_the_way.sigma_mm < 1e-8);
-        let half = after(&[-0.5, 0.0, 0.5, 0.0, -0.5, 0.0, 0.012]);
-        assert!((half.offset_mm - 0.008).abs() < 1e-7);
+        // From a known flank the way back tells the offset, too, but for where the screw turned.
+        let on_the_way = after(&[0.5, SLOW_MM, -SLOW_MM, -0.005]);
+        assert!((on_the_way.offset_mm - 0.005).abs() < 2.0 * SLOW_MM);
+        assert!(on_the_way.sigma_mm < SLOW_MM);
+        let half = after(&[-0.5, 0.5, -0.5, -SLOW_MM, SLOW_MM, 0.012]);
+        assert!((half.offset_mm - 0.008).abs() < 2.0 * SLOW_MM);
         // The far flank is where a play that may be larger has left it.
-        assert!((half.sigma_mm - PLAY_SIGMA_PART * PLAY_MM).abs() < 1e-7);
+        assert!((half.sigma_mm - PLAY_SIGMA_PART * PLAY_MM).abs() < SLOW_MM);
         let from_nowhere = after(&[0.012]);
         assert!((from_nowhere.offset_mm - 0.004).abs() < 1e-7);
         assert!((0.22..0.23).contains(&(from_nowhere.sigma_mm / PLAY_MM)));
@@ -159,10 +180,19 @@ mod tests {
         // 4 µm on and 4 µm back: the stage may have been pushed 2 µm beyond the readings.
         let turned = after(&[0.05, 0.004, -0.004]);
         assert!((turned.offset_mm - 0.005).abs() < 1e-7, "{turned:?}");
-        assert!((0.00099..0.00101).contains(&turned.sigma_mm), "{turned:?}");
+        let even_mm = |length_mm: f32| length_mm / libm::sqrtf(12.0);
+        assert!(
+            (turned.sigma_mm - even_mm(0.002)).abs() < 1e-7,
+            "{turned:?}"
+        );
+        // 4 µm on and none: 1 µm on and back between the two last readings.
+        let stopped = after(&[0.05, 0.004, 0.0]);
+        assert!((stopped.offset_mm - 0.0005).abs() < 1e-7, "{stopped:?}");
+        assert!((stopped.sigma_mm - even_mm(0.001)).abs() < 1e-7);
         // Within the play a turn pushes nothing.
-        let within = after(&[0.05, 0.0, -0.004, -0.004, 0.001]);
-        assert!((within.offset_mm - 0.007).abs() < 1e-7, "{within:?}");
+        let within = after(&[0.05, SLOW_MM, -SLOW_MM, -0.004, -0.004, 0.001]);
+        assert!((within.offset_mm - 0.007).abs() < 2.0 * SLOW_MM);
+        assert!(within.sigma_mm < SLOW_MM, "{within:?}");
         // Contact ends the doubt.
         assert!(after(&[0.05, 0.004, -0.004, 0.02]).sigma_mm < 1e-7);
     }

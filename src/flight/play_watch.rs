@@ -120,6 +120,7 @@ impl PlayWatch {
             place_mm: against.place_mm - along.place_mm,
             speed_mm_s: along.speed_mm_s - against.speed_mm_s,
             change_mm_s: along.change_mm_s + against.change_mm_s,
+            bend_mm_s: along.bend_mm_s + against.bend_mm_s,
         };
         let Some(reference) = self.reference else {
             self.reference = Some(latest);

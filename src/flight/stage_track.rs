@@ -12,7 +12,7 @@ pub const CAPACITY: usize = 64;
 const BEFORE: usize = 2;
 
 /// Number of the latest places that tell how evenly the stage moves.
-const RECENT: usize = 4;
+const RECENT: usize = 5;
 
 /// Time by which the path is continued beyond its ends, s.
 const CONTINUED_S: f32 = 0.003;
@@ -44,6 +44,18 @@ impl Default for StageTrack {
     fn default() -> Self {
         Self::new()
     }
+}
+
+/// Speed of the stage at a place, and what the latest readings show of its changes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct TrackSpeed {
+    /// Speed, mm/s.
+    pub(crate) speed_mm_s: f32,
+    /// Largest change from one reading to the next, mm/s.
+    pub(crate) change_mm_s: f32,
+    /// Largest difference of two changes that follow one another, mm/s: 0 at constant acceleration.
+    /// It is the largest change where there is only one.
+    pub(crate) bend_mm_s: f32,
 }
 
 /// The path of an exposure.
@@ -170,33 +182,43 @@ impl StageTrack {
         self.places.back().copied()
     }
 
-    /// Returns the speed of the stage where it was at a place between the last two readings, mm/s,
-    /// and the largest change from one reading to the next among the last [`RECENT`]; `None` before
-    /// the third.
+    /// Returns the speed of the stage where it was at a place between the last two readings, and
+    /// how uneven it was; `None` before the third.
     ///
     /// # Model
     /// The speed changes evenly: it has its mean between two readings in the middle of them.
     #[must_use]
-    pub(crate) fn speed_at(&self, offset_mm: f32) -> Option<(f32, f32)> {
+    pub(crate) fn speed_at(&self, offset_mm: f32) -> Option<TrackSpeed> {
         let latest = || self.places.iter().rev().take(RECENT);
-        let speeds = || {
-            latest().zip(latest().skip(1)).map(|(after, before)| {
-                (after.offset_mm - before.offset_mm) / after.time.seconds_since(before.time)
-            })
-        };
-        let (speed_mm_s, before_mm_s) = (speeds().next()?, speeds().nth(1)?);
-        let changes = speeds().zip(speeds().skip(1));
-        let largest_mm_s = changes
-            .map(|(after, before)| libm::fabsf(after - before))
-            .fold(0.0, f32::max);
+        let mut speeds = latest().zip(latest().skip(1)).map(|(after, before)| {
+            (after.offset_mm - before.offset_mm) / after.time.seconds_since(before.time)
+        });
+        let (speed_mm_s, mut before_mm_s) = (speeds.next()?, speeds.next()?);
+        let latest_mm_s = speed_mm_s - before_mm_s;
+        let mut change_mm_s = libm::fabsf(latest_mm_s);
+        let mut bend_mm_s = None;
+        let mut later_mm_s = latest_mm_s;
+        for earlier_mm_s in speeds {
+            let change = before_mm_s - earlier_mm_s;
+            change_mm_s = larger(change_mm_s, libm::fabsf(change));
+            let bend = libm::fabsf(later_mm_s - change);
+            bend_mm_s = Some(bend_mm_s.map_or(bend, |largest| larger(largest, bend)));
+            (before_mm_s, later_mm_s) = (earlier_mm_s, change);
+        }
+        let bend_mm_s = bend_mm_s.unwrap_or(change_mm_s);
         let (last, middle) = (latest().next()?, latest().nth(1)?);
         let moved_mm = last.offset_mm - middle.offset_mm;
-        if moved_mm == 0.0 {
-            return Some((0.0, largest_mm_s));
-        }
-        let part = ((offset_mm - middle.offset_mm) / moved_mm).clamp(0.0, 1.0);
-        let change_mm_s = speed_mm_s - before_mm_s;
-        Some((speed_mm_s + (part - 0.5) * change_mm_s, largest_mm_s))
+        let after_middle_mm_s = if moved_mm == 0.0 {
+            -speed_mm_s
+        } else {
+            let part = ((offset_mm - middle.offset_mm) / moved_mm).clamp(0.0, 1.0);
+            (part - 0.5) * latest_mm_s
+        };
+        Some(TrackSpeed {
+            speed_mm_s: speed_mm_s + after_middle_mm_s,
+            change_mm_s,
+            bend_mm_s,
+        })
     }
 
     /// Returns the path from first to last light.

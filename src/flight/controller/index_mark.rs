@@ -138,11 +138,11 @@ impl StageMachine {
     /// differs from the crossings before.
     fn cross_index(&mut self, setup: &Setup) -> Option<InDoubt> {
         let latched = self.latched_index.take()?;
-        let (speed_mm_s, change_mm_s) = self.track().speed_at(latched.reading_mm)?;
+        let speed = self.track().speed_at(latched.reading_mm)?;
+        let speed_mm_s = speed.speed_mm_s;
         let crossing = Crossing {
             reading_mm: latched.reading_mm,
-            speed_mm_s,
-            change_mm_s,
+            speed,
             next_sequence: latched.next_sequence,
         };
         if latched.is_along && speed_mm_s > 0.0 {

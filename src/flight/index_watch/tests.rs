@@ -35,8 +35,11 @@ fn cross_unevenly(
 ) -> Option<InDoubt> {
     let crossing = Crossing {
         reading_mm: place_mm - 1e-4 * speed_mm_s,
-        speed_mm_s,
-        change_mm_s: 0.1 + change_mm_s,
+        speed: TrackSpeed {
+            speed_mm_s,
+            change_mm_s: 0.1 + change_mm_s,
+            bend_mm_s: 0.2 + change_mm_s,
+        },
         next_sequence,
     };
     watch.cross(&crossing, &drive())
@@ -132,8 +135,7 @@ fn difference_beyond_the_steps_is_half_in_sigma_and_leaves_the_records_since_in_
     watch.count_record();
     // 0.15 µm: more than the steps, less than with the noise of the mark.
     assert_eq!(cross(&mut watch, 1.5e-4, 5.0, 3), None);
-    // The settings have half the steps of a difference.
-    let off_mm = 1.5e-4 - 0.5 * STEPS_MM;
+    let off_mm = 1.5e-4 - STEPS_MM;
     assert_near(
         sigma_mm(&watch, 0.0),
         libm::hypotf(0.15 * REPEAT_MM, 0.5 * off_mm),
@@ -151,7 +153,7 @@ fn difference_that_agrees_leaves_records_in_doubt_whose_sigma_does_not_cover_it(
         cross(&mut watch, 0.0, 5.0, 2);
         watch.count_record();
         // Uneven motion may explain it, but the record before was of a steady crossing.
-        assert!(libm::fabsf(off_mm) - 0.5 * STEPS_MM > 3.0 * 0.15 * REPEAT_MM);
+        assert!(libm::fabsf(off_mm) - STEPS_MM > 3.0 * 0.15 * REPEAT_MM);
         let exposures = cross_unevenly(&mut watch, off_mm, [5.0, 3.0], 3).unwrap();
         assert_eq!(exposures.from_sequence, 2);
         assert_eq!(exposures.through_sequence(), 2);
@@ -169,9 +171,61 @@ fn difference_that_agrees_leaves_records_in_doubt_whose_sigma_does_not_cover_it(
     let mut watch = IndexWatch::new();
     cross(&mut watch, 0.0, 5.0, 1);
     watch.count_record();
-    // The settings have half the steps of a difference.
-    let covered_mm = 0.5 * STEPS_MM + 3.0 * 0.149 * REPEAT_MM;
+    let covered_mm = STEPS_MM + 3.0 * 0.149 * REPEAT_MM;
     assert_eq!(cross_unevenly(&mut watch, covered_mm, [5.0, 3.0], 2), None);
+}
+
+#[test]
+fn age_of_a_reading_explains_a_difference_between_speeds_and_no_more() {
+    // 1.73 σ of the age, 3.46 µs, at 45 mm/s more than the reference.
+    let explained_mm = STEPS_MM + 1.73 * 2e-6 * 45.0;
+    let floor_mm = 0.15 * (STEPS_MM + 5.0 * libm::hypotf(2e-5, 2e-6 * 45.0));
+    for beyond_mm in [0.0, 1e-4] {
+        let mut watch = IndexWatch::new();
+        cross(&mut watch, 0.0, 5.0, 1);
+        watch.count_record();
+        assert_eq!(cross(&mut watch, explained_mm + beyond_mm, 50.0, 2), None);
+        assert_near(
+            sigma_mm(&watch, 0.0),
+            libm::hypotf(floor_mm, 0.5 * beyond_mm),
+        );
+    }
+}
+
+#[test]
+fn difference_of_the_reference_from_the_settings_is_half_in_sigma() {
+    let mut watch = IndexWatch::new();
+    assert_eq!(cross(&mut watch, 3e-4, 5.0, 1), None);
+    // The settings have half the steps of a difference.
+    let off_mm = 3e-4 - 0.5 * STEPS_MM - 1.73 * 2e-6 * 5.0;
+    let floor_mm = 0.15 * (STEPS_MM + 5.0 * libm::hypotf(2e-5, 1e-5));
+    assert_near(sigma_mm(&watch, 0.0), libm::hypotf(floor_mm, 0.5 * off_mm));
+}
+
+#[test]
+fn sigma_has_no_part_of_an_even_acceleration() {
+    let mut watch = IndexWatch::new();
+    let accelerating = Crossing {
+        reading_mm: -5e-4,
+        speed: TrackSpeed {
+            speed_mm_s: 5.0,
+            change_mm_s: 2.0,
+            bend_mm_s: 0.1,
+        },
+        next_sequence: 1,
+    };
+    assert_eq!(watch.cross(&accelerating, &drive()), None);
+    watch.count_record();
+    assert_eq!(watch.cross(&accelerating, &drive()), None);
+    assert_near(sigma_mm(&watch, 0.0), 0.15 * REPEAT_MM);
+    // A crossing agrees within twice the changes of both in a tenth of a millisecond.
+    let off_mm = REPEAT_MM + 2.0 * 2.0 * 1.9e-4 - 2e-5;
+    let later = Crossing {
+        reading_mm: accelerating.reading_mm + off_mm,
+        next_sequence: 1,
+        ..accelerating
+    };
+    assert_eq!(watch.cross(&later, &drive()), None);
 }
 
 #[test]
@@ -193,4 +247,18 @@ fn reference_is_the_slowest_and_steadiest_crossing() {
         None
     );
     assert!(cross_unevenly(&mut watch, most_mm + 2e-5, [5.0, 3.0], 1).is_some());
+}
+
+#[test]
+fn difference_from_a_reference_that_is_off_the_settings_itself_counts_with_that() {
+    let mut watch = IndexWatch::new();
+    assert_eq!(cross(&mut watch, 2e-4, 5.0, 1), None);
+    watch.count_record();
+    let beyond_mm = 5e-5;
+    cross(&mut watch, 2e-4 + STEPS_MM + beyond_mm, 5.0, 2);
+    let off_mm = beyond_mm + 2e-4 - 0.5 * STEPS_MM - 1.73 * 2e-6 * 5.0;
+    assert_near(
+        sigma_mm(&watch, 0.0),
+        libm::hypotf(0.15 * REPEAT_MM, 0.5 * off_mm),
+    );
 }

@@ -2,6 +2,7 @@
 //! 0.1 ms old to ± 2 µs, and a mark that repeats to 0.02 µm.
 
 use super::*;
+use crate::flight::stage_track::TrackSpeed;
 
 /// Width of the mark, mm.
 const WIDTH_MM: f32 = 0.05;
@@ -28,8 +29,11 @@ fn drive() -> DriveSettings {
 fn crossing(place_mm: f32, speed_mm_s: f32) -> Crossing {
     Crossing {
         reading_mm: place_mm - 1e-4 * speed_mm_s,
-        speed_mm_s,
-        change_mm_s: 0.1,
+        speed: TrackSpeed {
+            speed_mm_s,
+            change_mm_s: 0.1,
+            bend_mm_s: 0.2,
+        },
         next_sequence: 1,
     }
 }

@@ -81,3 +81,68 @@ fn ends_are_continued_by_three_milliseconds_at_most() {
     assert!((first.offset_mm - 0.1).abs() < 1e-6 && (last.offset_mm - 0.2).abs() < 1e-6);
     assert!(!track.path(Time::START, Time::from_us(6001)).is_covered);
 }
+
+/// A track of readings 1 ms apart.
+fn track_of(offsets_mm: &[f32]) -> StageTrack {
+    let mut track = StageTrack::new();
+    for (round, offset_mm) in (0_u64..).zip(offsets_mm) {
+        track.push(StagePlace {
+            time: Time::from_us(1000 * round),
+            offset_mm: *offset_mm,
+            play_sigma_mm: 0.0,
+        });
+    }
+    track
+}
+
+fn assert_speed(track: &StageTrack, offset_mm: f32, expected: TrackSpeed) {
+    let found = track.speed_at(offset_mm).unwrap();
+    let off = |one: f32, other: f32| libm::fabsf(one - other) > 2e-3;
+    let is_off = off(found.speed_mm_s, expected.speed_mm_s)
+        || off(found.change_mm_s, expected.change_mm_s)
+        || off(found.bend_mm_s, expected.bend_mm_s);
+    assert!(!is_off, "{found:?} for {expected:?}");
+}
+
+#[test]
+fn even_acceleration_changes_the_speed_and_does_not_bend_it() {
+    // 5, 7, 9 and 11 mm/s from reading to reading.
+    let track = track_of(&[0.0, 0.005, 0.012, 0.021, 0.032]);
+    let expected = TrackSpeed {
+        speed_mm_s: 11.0,
+        change_mm_s: 2.0,
+        bend_mm_s: 0.0,
+    };
+    assert_speed(&track, 0.0265, expected);
+    let later = TrackSpeed {
+        speed_mm_s: 11.5,
+        ..expected
+    };
+    assert_speed(&track, 0.02925, later);
+}
+
+#[test]
+fn push_bends_the_speed_and_so_does_the_only_change() {
+    // 5, 5, 6 and 8 mm/s: a push of 3 mm/s in the third interval, after two thirds of it.
+    let pushed = track_of(&[0.0, 0.005, 0.010, 0.016, 0.024]);
+    let expected = TrackSpeed {
+        speed_mm_s: 8.0,
+        change_mm_s: 2.0,
+        bend_mm_s: 1.0,
+    };
+    assert_speed(&pushed, 0.020, expected);
+    let begun = track_of(&[0.0, 0.005, 0.012]);
+    let expected = TrackSpeed {
+        speed_mm_s: 7.0,
+        change_mm_s: 2.0,
+        bend_mm_s: 2.0,
+    };
+    assert_speed(&begun, 0.0085, expected);
+    assert_eq!(track_of(&[0.0, 0.005]).speed_at(0.0), None);
+}
+
+#[test]
+fn stage_that_stands_has_no_speed() {
+    let track = track_of(&[0.0, 0.005, 0.010, 0.010]);
+    assert!(track.speed_at(0.010).unwrap().speed_mm_s.abs() <= 0.0);
+}
