@@ -1,8 +1,8 @@
 //! Handler of hard faults, on a stack of its own: the other one may be full.
 //!
-//! A fault whose frame finds no room on the stack still leads to the handler (ARM DDI 0337E, 5.12.1).
-//! The memory protection is off there, so the guard below the stack is memory for the handler: it
-//! overwrites neither the stack nor the statics.
+//! A fault whose frame finds no room on the stack still leads to the handler (ARM DDI 0337E,
+//! section 5.12.1). The memory protection is off there, so the guard below the stack is memory for
+//! the handler: it overwrites neither the stack nor the statics.
 
 use core::arch::naked_asm;
 
@@ -19,9 +19,9 @@ const PROGRAM_COUNTER: usize = 6;
 
 /// A hard fault.
 pub(super) struct HardFault {
-    /// What the next start is to tell.
+    /// Cause that the next start tells.
     pub(super) cause: ResetCause,
-    /// Address of the instruction; 0 if the stack had no room for it.
+    /// Address of the fault, by its frame; 0 if a full stack had no room for one.
     program_counter: u32,
     /// Registers HFSR and CFSR.
     hard: u32,
