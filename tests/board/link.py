@@ -10,7 +10,7 @@ SOURCE = pathlib.Path(__file__).parents[2] / "src/io/link/mod.rs"
 
 # Numbers of the requests used, and of their answers.
 CONNECT, COUNTERS = (0, 0), (8, 6)
-CAUSES = ("power on", "requested", "watchdog", "fault")
+CAUSES = ("power on", "requested", "watchdog", "fault", "stack overflow")
 COUNTER_NAMES = (
     "done", "refused", "repeated", "truncated", "oversized", "wrong_crc", "other_protocol",
     "unknown", "other_session", "out_of_order", "overrun_bytes", "stack_used_bytes",

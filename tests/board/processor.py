@@ -42,6 +42,8 @@ NMI, HARD_FAULT, SYSTICK, FIRST_INTERRUPT = 2, 3, 15, 16
 
 FORCED = 1 << 30
 BUS_FAULT, UNDEFINED = 0x8200, 0x1_0000
+# Fault of the bus while an exception's frame is written.
+STACKING_FAULT = 0x1000
 # Faults of the memory protection: of an instruction fetch, of an access, of an exception's frame.
 FETCH_FAULT, ACCESS_FAULT, FRAME_FAULT = 0x1, 0x2, 0x10
 # Registers of the memory protection (ARMv7-M, section B3.5), and permissions by field AP.
@@ -121,6 +123,7 @@ class Processor:
         self._protect()
         stack, entry = struct.unpack("<II", self.uc.mem_read(FLASH, 8))
         self.uc.reg_write(arm.UC_ARM_REG_PRIMASK, 0)
+        self.uc.reg_write(arm.UC_ARM_REG_FAULTMASK, 0)
         self.uc.reg_write(arm.UC_ARM_REG_SP, stack)
         self.uc.reg_write(arm.UC_ARM_REG_LR, 0xFFFF_FFFF)
         self.uc.reg_write(arm.UC_ARM_REG_FPSCR, 0)
@@ -249,7 +252,13 @@ class Processor:
         return SYSTICK if self.systick_pending else None
 
     def _enter(self, number):
-        """Pushes the frame and goes to the handler. A frame that finds no memory locks up."""
+        """Pushes the frame and goes to the handler.
+
+        A frame that finds no memory, or memory that is protected, is not written; the handler is
+        entered all the same: that of the hard fault, unless the exception comes before it
+        (DDI 0337E, 5.12.1: "the fault handler still executes even though the stack pushes for the
+        handler failed").
+        """
         uc = self.uc
         uc.reg_write(arm.UC_ARM_REG_PC, self.pc | 1)
         *core, _, xpsr = uc.reg_read_batch(_PUSHED)
@@ -260,18 +269,22 @@ class Processor:
             start <= frame and stack <= start + length
             for start, length in ((DTCM, DTCM_BYTES), (AXI, AXI_BYTES), (ITCM, ITCM_BYTES))
         ):
-            self.fault(BUS_FAULT, from_stacking=True)
-            return
-        if not self.permissions(frame) & _WRITE:
-            self.fault(FRAME_FAULT, from_stacking=True)
-            return
+            status = STACKING_FAULT
+        elif not self.permissions(frame) & _WRITE:
+            status = FRAME_FAULT
+        else:
+            status = 0
         aligned = (stack & 4) << 7
         pushed = struct.pack(
             "<8I8QII",
             *core, self.pc, xpsr & ~0x200 | aligned,
             *floats, uc.reg_read(arm.UC_ARM_REG_FPSCR), 0,
         )  # fmt: skip
-        uc.mem_write(frame, pushed)
+        if status:
+            self._note_fault(status)
+            number = min(number, HARD_FAULT)
+        else:
+            uc.mem_write(frame, pushed)
         uc.reg_write(arm.UC_ARM_REG_SP, frame)
         uc.reg_write(arm.UC_ARM_REG_LR, RETURN | 1)
         # No flag and no rest of a conditional block goes on into the handler.
@@ -300,11 +313,16 @@ class Processor:
         if self.active.pop() in (NMI, HARD_FAULT):
             self._protect()
 
-    def fault(self, status, from_stacking=False):
-        """A fault of an instruction or of the frame of an exception."""
+    def _note_fault(self, status):
         self.private[0xE000_ED28] = self.private.get(0xE000_ED28, 0) | status
         self.private[0xE000_ED2C] = self.private.get(0xE000_ED2C, 0) | FORCED
-        if from_stacking or (self.active and self.active[-1] in (NMI, HARD_FAULT)):
+
+    def fault(self, status):
+        """A fault of an instruction: a lock-up where no handler may come, in that of a fault or with
+        faults masked."""
+        self._note_fault(status)
+        masked = self.uc.reg_read(arm.UC_ARM_REG_FAULTMASK) & 1
+        if masked or (self.active and self.active[-1] in (NMI, HARD_FAULT)):
             self.locked = True
             self.chip.lock_up()
         else:

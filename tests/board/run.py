@@ -15,11 +15,12 @@ import test_edges
 import test_flight
 import test_force
 import test_memory
+import test_stack
 import test_start
 
 CLASSES = (
-    test_start.Start, test_force.Force, test_memory.Memory, test_edges.Edges, test_clock.Clock,
-    test_client.Client, test_flight.TenSeconds,
+    test_start.Start, test_force.Force, test_memory.Memory, test_stack.Stack, test_edges.Edges,
+    test_clock.Clock, test_client.Client, test_flight.TenSeconds,
 )  # fmt: skip
 
 

@@ -10,18 +10,20 @@ from unicorn import arm_const as arm
 
 from board import CYCLES_PER_S, Board
 from link import Link
-from processor import FLASH, FLASH_BYTES
+from processor import FLASH, FLASH_BYTES, SYSTICK
 
 HERE = pathlib.Path(__file__).parent
 CAMERA = HERE.parents[1] / "host-sim/scenarios/cameras/mission.toml"
 SETTINGS = HERE / "flight.toml"
 MS = CYCLES_PER_S // 1000
 
-# Instructions that the main loop goes astray to: a loop, a stack that grows for ever, and one that
-# does not exist.
+# Instructions that the processor goes astray to: a loop, a stack that grows for ever, by 32 bytes or
+# by more than the guard has, one that does not exist, and the same with faults masked.
 HANGS = struct.pack("<H", 0xE7FE)
 OVERFLOWS = struct.pack("<HH", 0xB4FF, 0xE7FD)
+LEAPS = struct.pack("<HHHH", 0xF5AD, 0x5D80, 0x9000, 0xE7FB)
 UNDEFINED = struct.pack("<H", 0xDE00)
+LOCKS_UP = struct.pack("<HH", 0xB671, 0xDE00)
 BOOT_S = 0.02
 # Flash that the image leaves free.
 ASTRAY = FLASH + FLASH_BYTES - 0x1000
@@ -69,8 +71,9 @@ class Flight:
                 return list(csv.DictReader(file))
 
 
-def astray(board, code):
-    """Lets the main loop go on with this code, interrupts allowed, once no interrupt is served."""
+def astray(board, code, in_interrupt=False):
+    """Lets the main loop go on with this code, interrupts allowed, once no interrupt is served, or
+    lets the next tick's interrupt do so."""
     while board.processor.active:
         board.processor.run(board.now + 1)
     processor = board.processor
@@ -79,6 +82,10 @@ def astray(board, code):
     processor.uc.reg_write(arm.UC_ARM_REG_PRIMASK, 0)
     processor.uc.reg_write(arm.UC_ARM_REG_XPSR, 0x0100_0000)
     processor.asleep = False
+    if in_interrupt:
+        processor.systick_pending = True
+        processor.run(board.now + 1)
+        assert processor.active == [SYSTICK]
     processor.pc = ASTRAY
 
 

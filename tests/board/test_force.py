@@ -3,7 +3,7 @@
 import tempfile
 import unittest
 
-from support import HANGS, MS, OVERFLOWS, UNDEFINED, Flight, astray, settings, start_reason
+from support import HANGS, LOCKS_UP, MS, UNDEFINED, Flight, astray, settings, start_reason
 
 
 class Force(unittest.TestCase):
@@ -44,7 +44,7 @@ class Force(unittest.TestCase):
         self.assertEqual(self.board.bench.duty, 0.0)
 
     def test_lock_up_takes_it_at_once_and_the_watchdog_restarts(self):
-        astray(self.board, OVERFLOWS)
+        astray(self.board, LOCKS_UP)
         self.assertLess(self.off_after_ms(), 0.1)
         self.assertEqual(self.board.bench.duty, 0.0)
         ((_, cause),) = self.board.processor.resets

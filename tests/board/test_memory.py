@@ -4,12 +4,10 @@ import struct
 import unittest
 
 from board import Board
-from processor import ACCESS_FAULT, DTCM, FETCH_FAULT, FRAME_FAULT
-from support import BOOT_S, MS, OVERFLOWS, astray, start_reason
-from unicorn import arm_const as arm
+from processor import ACCESS_FAULT, FETCH_FAULT
+from support import BOOT_S, MS, astray, start_reason
 
 CFSR = 0xE000_ED28
-GUARD_BYTES = 1024
 
 # Thumb instructions: an address in r0, and an access to it.
 NULL, FLASH_START = (0x2000,), (0x2001, 0x06C0)
@@ -58,16 +56,3 @@ class Memory(unittest.TestCase):
         astray(board, code(*FLASH_START, *LOAD, *STATICS, *LOAD))
         board.run(0.0005)
         self.assertEqual(board.processor.private.get(CFSR, 0), 0)
-
-    def test_overflow_of_the_stack_meets_its_guard(self):
-        board = Board(self.image)
-        board.run(BOOT_S)
-        guard = bytes(board.processor.uc.mem_read(DTCM, GUARD_BYTES))
-        astray(board, OVERFLOWS)
-        board.run(0.01)
-        self.assertTrue(board.processor.locked)
-        stack = board.processor.uc.reg_read(arm.UC_ARM_REG_SP)
-        self.assertTrue(DTCM + GUARD_BYTES <= stack < DTCM + GUARD_BYTES + 64, hex(stack))
-        status = board.processor.private[CFSR]
-        self.assertEqual(status, ACCESS_FAULT | FRAME_FAULT)
-        self.assertEqual(bytes(board.processor.uc.mem_read(DTCM, GUARD_BYTES)), guard)

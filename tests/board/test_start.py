@@ -5,7 +5,7 @@ import unittest
 from board import CYCLES_PER_S, Board
 from chip import FUNCTIONS, RCC
 from link import Link
-from support import BOOT_S, HANGS, MS, OVERFLOWS, UNDEFINED, astray, start_reason
+from support import BOOT_S, HANGS, LOCKS_UP, MS, UNDEFINED, astray, start_reason
 from timers import BDTR
 
 
@@ -103,10 +103,10 @@ class Start(unittest.TestCase):
         board.processor.reset("pin")
         self.assertEqual(start_reason(board), ("requested", False))
 
-    def test_overflow_of_the_stack_locks_up_and_is_restarted_by_the_watchdog(self):
+    def test_lock_up_is_restarted_by_the_watchdog(self):
         board = self.booted()
         before = board.now
-        astray(board, OVERFLOWS)
+        astray(board, LOCKS_UP)
         board.run(0.01)
         self.assertTrue(board.processor.locked)
         board.run(0.6)

@@ -89,7 +89,9 @@ impl<P: Port> Remote<P> {
             .map_err(|error| self.failed(error, 0))?;
         let has_failed = matches!(
             self.identity().reset_cause,
-            message::ResetCause::Watchdog | message::ResetCause::Fault
+            message::ResetCause::Watchdog
+                | message::ResetCause::Fault
+                | message::ResetCause::StackOverflow
         );
         Ok(
             if has_failed && status.state == State::Fault(Fault::Watchdog) {

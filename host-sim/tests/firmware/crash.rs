@@ -4,12 +4,11 @@ use std::env;
 use std::io::Write as _;
 use std::thread;
 
-use fmc_camera::io::link::message::ResetCause;
 use fmc_camera::{CalibrationParameters, CameraParameters, Exposure, SensorPoint};
 use host_sim::device::qemu::{Qemu, QemuOptions};
 use host_sim::device::{CorrectingDevice as _, DeviceError, Machine};
 
-use crate::firmware::drills::{LOOK_EVERY, bite_watchdog};
+use crate::firmware::drills::{Drill, LOOK_EVERY, OVERFLOW, WATCHDOG, restart_by};
 
 /// Returns a camera that has been exposed, with accidents on request.
 fn with_drills(machine: Machine) -> Qemu {
@@ -57,16 +56,33 @@ fn hard_fault_is_reported_with_the_end_of_qemu_and_of_the_log() {
 #[ignore = "needs QEMU and the image: cargo xtask test"]
 fn restart_by_the_watchdog_is_reported_with_the_log_and_the_camera_can_be_used_again() {
     for machine in [Machine::An386, Machine::An500] {
-        // One drill stops the main loop, the other lets it sleep without an event that wakes it.
-        for drill in b"hs" {
-            let mut qemu = with_drills(machine);
-            bite_watchdog(&mut qemu, *drill);
-            let error = error_of(&mut qemu).to_string();
-            for part in ["the camera has restarted", "starts after watchdog"] {
-                assert!(error.contains(part), "{part}: {error}");
-            }
-            qemu.remote().reconnect().unwrap();
-            assert_eq!(qemu.remote().identity().reset_cause, ResetCause::Watchdog);
+        for drill in &WATCHDOG {
+            is_reported_and_the_camera_can_be_used_again(machine, drill);
         }
     }
+}
+
+#[test]
+#[ignore = "needs QEMU and the image: cargo xtask test"]
+fn overflow_of_the_stack_is_reported_and_the_camera_can_be_used_again() {
+    for machine in [Machine::An386, Machine::An500] {
+        for drill in &OVERFLOW {
+            let log = is_reported_and_the_camera_can_be_used_again(machine, drill);
+            let named = |line: &String| line.contains("stack overflow at 0x");
+            assert_eq!(log.iter().filter(|line| named(line)).count(), 1, "{log:?}");
+        }
+    }
+}
+
+/// Checks the message about a restart and what the camera says of it; returns the log.
+fn is_reported_and_the_camera_can_be_used_again(machine: Machine, drill: &Drill) -> Vec<String> {
+    let mut qemu = with_drills(machine);
+    restart_by(&mut qemu, drill);
+    let error = error_of(&mut qemu).to_string();
+    for part in ["the camera has restarted", drill.start] {
+        assert!(error.contains(part), "{part}: {error}");
+    }
+    qemu.remote().reconnect().unwrap();
+    assert_eq!(qemu.remote().identity().reset_cause, drill.cause);
+    qemu.log()
 }

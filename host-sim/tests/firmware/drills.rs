@@ -4,6 +4,7 @@ use std::io::Write as _;
 use std::thread;
 use std::time::{Duration, Instant};
 
+use fmc_camera::io::link::message::ResetCause;
 use host_sim::device::qemu::Qemu;
 
 /// Time from one look at the camera to the next.
@@ -13,15 +14,44 @@ pub(crate) const LOOK_EVERY: Duration = Duration::from_millis(5);
 /// take many seconds on a busy PC.
 const RESTARTED_WITHIN: Duration = Duration::from_mins(2);
 
-/// Stops the main loop (`h`) or lets it sleep (`s`) until the watchdog has restarted the camera.
-pub(crate) fn bite_watchdog(qemu: &mut Qemu, drill: u8) {
-    qemu.log_wire().write_all(&[drill]).unwrap();
+/// Accident after which the camera starts again: its byte, and what the start is told to follow.
+pub(crate) struct Drill {
+    byte: u8,
+    pub(crate) cause: ResetCause,
+    pub(crate) start: &'static str,
+}
+
+impl Drill {
+    const fn new(byte: u8, cause: ResetCause, start: &'static str) -> Self {
+        Self { byte, cause, start }
+    }
+}
+
+/// The watchdog bites: the main loop stops, or sleeps without an event that wakes it.
+pub(crate) const WATCHDOG: [Drill; 2] = [
+    Drill::new(b'h', ResetCause::Watchdog, "starts after watchdog"),
+    Drill::new(b's', ResetCause::Watchdog, "starts after watchdog"),
+];
+
+/// The stack overflows, in the main loop or in an interrupt.
+pub(crate) const OVERFLOW: [Drill; 2] = [
+    Drill::new(
+        b'o',
+        ResetCause::StackOverflow,
+        "starts after stack overflow",
+    ),
+    Drill::new(
+        b'i',
+        ResetCause::StackOverflow,
+        "starts after stack overflow",
+    ),
+];
+
+/// Brings an accident about and waits until the camera has started again.
+pub(crate) fn restart_by(qemu: &mut Qemu, drill: &Drill) {
+    qemu.log_wire().write_all(&[drill.byte]).unwrap();
     let start = Instant::now();
-    while !qemu
-        .log()
-        .iter()
-        .any(|line| line.contains("starts after watchdog"))
-    {
+    while !qemu.log().iter().any(|line| line.contains(drill.start)) {
         assert!(start.elapsed() < RESTARTED_WITHIN, "{:?}", qemu.log());
         thread::sleep(LOOK_EVERY);
     }

@@ -12,14 +12,14 @@ use fmc_camera::flight::rig::{RigAnswer, RigStep};
 use fmc_camera::flight::settings::FlightSettings;
 use fmc_camera::flight::time::Time;
 use fmc_camera::flight::vh::VhSample;
-use fmc_camera::io::link::message::{Refusal, ResetCause};
+use fmc_camera::io::link::message::Refusal;
 use fmc_camera::{CalibrationParameters, CameraParameters};
 use fmc_simulation::mechanics::{Mechanics, MechanicsSettings};
 use host_sim::device::link_error::LinkError;
 use host_sim::device::qemu::{Qemu, QemuOptions};
 use host_sim::device::{CorrectingDevice as _, DeviceError, FlyingDevice, Machine};
 
-use crate::firmware::drills::bite_watchdog;
+use crate::firmware::drills::{Drill, OVERFLOW, WATCHDOG, restart_by};
 
 const MACHINES: [Machine; 2] = [Machine::An386, Machine::An500];
 
@@ -259,6 +259,20 @@ fn camera_is_not_prepared_again_before_its_records_are_fetched() {
 #[test]
 #[ignore = "needs QEMU and the image: cargo xtask test"]
 fn after_the_watchdog_the_camera_is_in_that_fault_until_it_is_cleared() {
+    is_in_its_fault_until_it_is_cleared(&WATCHDOG[0]);
+}
+
+#[test]
+#[ignore = "needs QEMU and the image: cargo xtask test"]
+fn after_an_overflow_of_the_stack_the_camera_is_in_its_fault_and_records_are_whole() {
+    for drill in &OVERFLOW {
+        is_in_its_fault_until_it_is_cleared(drill);
+    }
+}
+
+/// Flies before a restart and after it. The records on either side are whole: the link's digest of
+/// each is compared.
+fn is_in_its_fault_until_it_is_cleared(drill: &Drill) {
     let options = QemuOptions {
         firmware: Some(env::var_os("FMC_FIRMWARE_WITH_DRILLS").unwrap().into()),
         flash: None,
@@ -266,13 +280,13 @@ fn after_the_watchdog_the_camera_is_in_that_fault_until_it_is_cleared() {
     };
     let mut flight = Flight::prepared(Qemu::start(MACHINES[0], &options).unwrap());
     flight.arm();
-    bite_watchdog(&mut flight.device, b'h');
+    assert_eq!(flight.expose(), 1);
+    assert!(matches!(flight.fetched(1).outcome, Outcome::Exposed(_)));
+    restart_by(&mut flight.device, drill);
     flight.device.remote().reconnect().unwrap();
-    assert_eq!(
-        flight.device.remote().identity().reset_cause,
-        ResetCause::Watchdog
-    );
+    assert_eq!(flight.device.remote().identity().reset_cause, drill.cause);
     let mut flight = Flight::prepared(flight.device);
+    assert_eq!(FlyingDevice::frame_record(&mut flight.device, 0), Ok(None));
     flight.round(None);
     assert_eq!(flight.state(), State::Fault(Fault::Watchdog));
     flight.round(Some(Event::Trigger));

@@ -14,6 +14,7 @@ pub(crate) fn note_start(board: &str, build: &str, start: ResetCause) {
         ResetCause::Requested => "request",
         ResetCause::Watchdog => "watchdog",
         ResetCause::Fault => "fault",
+        ResetCause::StackOverflow => "stack overflow",
     };
     defmt::info!("{=str} {=str} starts after {=str}", board, build, after);
     #[cfg(test_key)]

@@ -226,6 +226,8 @@ pub enum ResetCause {
     Watchdog,
     /// A fault of processor or memory.
     Fault,
+    /// Its stack was full.
+    StackOverflow,
 }
 
 impl ResetCause {
@@ -235,7 +237,7 @@ impl ResetCause {
     pub const fn counting_on(self) -> controller::Start {
         match self {
             Self::PowerOn | Self::Requested => controller::Start::Orderly,
-            Self::Watchdog | Self::Fault => controller::Start::AfterWatchdog,
+            Self::Watchdog | Self::Fault | Self::StackOverflow => controller::Start::AfterWatchdog,
         }
     }
 
@@ -245,7 +247,7 @@ impl ResetCause {
     pub const fn unreferenced(self) -> controller::Start {
         match self {
             Self::PowerOn | Self::Requested => controller::Start::Unreferenced,
-            Self::Watchdog | Self::Fault => controller::Start::AfterWatchdog,
+            Self::Watchdog | Self::Fault | Self::StackOverflow => controller::Start::AfterWatchdog,
         }
     }
 }

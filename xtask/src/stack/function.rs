@@ -24,6 +24,8 @@ pub(super) struct Frame {
     pub(super) calls: BTreeMap<u32, u32>,
     /// Greatest depth at a call by a pointer, if there is one.
     pub(super) by_pointer: Option<u32>,
+    /// True if it replaces the stack by another one, to which all of this belongs then.
+    pub(super) leaves_stack: bool,
 }
 
 /// Instruction that a path has come to.
@@ -155,6 +157,14 @@ impl Walk<'_> {
                     step.depth - bytes
                 );
                 Ok(())
+            }
+            Effect::LeaveStack => {
+                ensure!(
+                    self.frame == Frame::default(),
+                    "it replaces a stack that it has used"
+                );
+                self.frame.leaves_stack = true;
+                self.go(next)
             }
             Effect::Stop => Ok(()),
             Effect::Unreadable => bail!("the size of the stack is not constant"),

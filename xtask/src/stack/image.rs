@@ -9,7 +9,7 @@ use std::{
 use anyhow::{Context as _, Result, ensure};
 use object::{Object as _, ObjectSection as _, ObjectSymbol as _, SectionKind, SymbolKind};
 
-use super::instruction::Instruction;
+use super::{instruction::Instruction, memory::Memory};
 use crate::board::path_of;
 
 /// Image as the linker made it.
@@ -23,8 +23,7 @@ pub(super) struct Code {
     data: Vec<Range<u32>>,
     /// Words of the vector table, without the first, which is the stack pointer's.
     vectors: Vec<u32>,
-    /// Bytes of memory for the stack.
-    room: u32,
+    memory: Memory,
 }
 
 /// Section of an image.
@@ -89,15 +88,6 @@ impl Code {
             }
         }
         ensure!(!vectors.is_empty(), "the image has no vectors");
-        let symbol = |name: &str| {
-            let symbol = file.symbol_by_name(name);
-            address(
-                symbol
-                    .with_context(|| format!("no symbol {name}"))?
-                    .address(),
-            )
-        };
-        let room = symbol("_stack_start")?.checked_sub(symbol("_stack_end")?);
         let ends = marks.keys().skip(1).copied().chain([u32::MAX]);
         let data = marks
             .iter()
@@ -110,7 +100,7 @@ impl Code {
             sections,
             data,
             vectors,
-            room: room.context("the stack ends above its start")?,
+            memory: Memory::read(&file)?,
         })
     }
 
@@ -123,7 +113,11 @@ impl Code {
             sections: BTreeMap::new(),
             data: vec![],
             vectors: vec![start | 1],
-            room: 212,
+            memory: Memory {
+                guard: Some(0x2000_0000..0x2000_0020),
+                stack: 0x2000_0020..0x2000_00f4,
+                statics: vec![],
+            },
         };
         for ((index, halfwords), address) in functions
             .iter()
@@ -168,9 +162,14 @@ impl Code {
         self.vectors.first().map(|vector| vector & !1)
     }
 
-    /// Returns the bytes of memory for the stack.
-    pub(super) fn room(&self) -> u32 {
-        self.room
+    /// Returns the handler of the non-maskable interrupt.
+    pub(super) fn non_maskable(&self) -> Option<u32> {
+        self.vectors.get(1).map(|vector| vector & !1)
+    }
+
+    /// Returns the memory for the stack.
+    pub(super) fn memory(&self) -> &Memory {
+        &self.memory
     }
 
     /// Returns the end and the name of the function that begins at an address.

@@ -40,6 +40,8 @@ pub(super) enum Effect {
     /// Makes the following instructions conditional: one each, true where its condition is the
     /// stated one, false where it is the opposite.
     IfThen(Conditions),
+    /// Replaces the main stack by another one.
+    LeaveStack,
     /// Does not go on.
     Stop,
     /// Changes the stack pointer by what is not known.
@@ -279,12 +281,12 @@ fn branch_or_system(address: u32, first: u16, second: u16) -> Effect {
             | (second_bits & 0x7ff) << 1;
         return Effect::BranchIf(ahead(address, signed(distance, 21)));
     }
-    // MSR to one of the two stack pointers, or to the register that chooses between them.
-    let to_stack_pointer = first & 0xffe0 == 0xf380 && [8, 9, 20].contains(&(second & 0xff));
     let is_undefined = first & 0xfff0 == 0xf7f0 && second & 0xf000 == 0xa000;
-    match (to_stack_pointer, is_undefined) {
-        (true, _) => Effect::Unreadable,
-        (_, true) => Effect::Stop,
+    match (first & 0xffe0, second & 0xff) {
+        // MSR to the main stack pointer, to the other one, and to the register that chooses.
+        (0xf380, 8) => Effect::LeaveStack,
+        (0xf380, 9 | 20) => Effect::Unreadable,
+        _ if is_undefined => Effect::Stop,
         _ => Effect::Next,
     }
 }
@@ -381,7 +383,8 @@ mod tests {
             (0xebad, 0x0d00), // sub.w sp, sp, r0
             (0xf1a7, 0x0d08), // sub.w sp, r7, #8
             (0xf36f, 0x0d02), // bfc sp, #0, #3
-            (0xf380, 0x8808), // msr msp, r0
+            (0xf380, 0x8809), // msr psp, r0
+            (0xf380, 0x8814), // msr control, r0
             (0xf8d0, 0xd000), // ldr.w sp, [r0]
             (0xe890, 0x2001), // ldm.w r0, {r0, sp}
         ] {

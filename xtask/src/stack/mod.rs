@@ -9,6 +9,7 @@ mod addresses;
 mod function;
 mod image;
 mod instruction;
+mod memory;
 mod path;
 mod pointers;
 #[cfg(test)]
@@ -16,9 +17,10 @@ mod specimen;
 
 use std::{fmt, fs, path::Path};
 
-use anyhow::{Context as _, Result, ensure};
+use anyhow::{Context as _, Result, bail, ensure};
 
 use image::Code;
+use memory::Memory;
 use path::{Paths, Station};
 use pointers::{LIST, PointerCalls};
 
@@ -39,8 +41,10 @@ pub(crate) struct StackBound {
     main: Vec<Station>,
     /// Handlers with the depth of each.
     handlers: Vec<Station>,
-    /// Bytes of memory for the stack.
-    room: u32,
+    /// Handlers with a stack of their own, which is the guard below the other one, and the depth of
+    /// each with the non-maskable interrupt on top.
+    on_guard: Vec<Station>,
+    memory: Memory,
 }
 
 impl StackBound {
@@ -68,11 +72,31 @@ impl StackBound {
         let mut paths = Paths::new(code, pointers);
         let reset = code.reset().context("no vector of the reset")?;
         paths.deepest(reset)?;
-        let mut handlers = Vec::new();
+        ensure!(
+            !paths.leaves_stack(reset),
+            "the reset replaces the main stack"
+        );
+        let non_maskable = match code.non_maskable() {
+            Some(handler) => paths.deepest(handler)? + EXCEPTION_FRAME_BYTES,
+            None => 0,
+        };
+        let (mut handlers, mut on_guard) = (Vec::new(), Vec::new());
         for handler in code.handlers() {
-            let bytes = paths.deepest(handler)? + EXCEPTION_FRAME_BYTES;
-            let name = paths.name(handler).to_owned();
-            handlers.push(Station { name, bytes });
+            let depth = paths.deepest(handler)?;
+            let name = || paths.name(handler).to_owned();
+            let on_stack = if paths.leaves_stack(handler) {
+                on_guard.push(Station {
+                    name: name(),
+                    bytes: depth + non_maskable,
+                });
+                0
+            } else {
+                depth
+            };
+            handlers.push(Station {
+                name: name(),
+                bytes: on_stack + EXCEPTION_FRAME_BYTES,
+            });
         }
         let unlisted: Vec<_> = addresses::kept(code)
             .into_iter()
@@ -88,7 +112,8 @@ impl StackBound {
         Ok(Self {
             main: paths.stations(reset),
             handlers,
-            room: code.room(),
+            on_guard,
+            memory: code.memory().clone(),
         })
     }
 
@@ -100,14 +125,21 @@ impl StackBound {
 
     /// Checks that the memory for the stack is large enough, with a margin.
     fn check_room(&self) -> Result<()> {
-        let most = (1.0 - MARGIN) * f64::from(self.room);
+        let room = self.memory.room();
+        let most = (1.0 - MARGIN) * f64::from(room);
         ensure!(
             f64::from(self.bytes()) <= most,
-            "the stack may be {} bytes deep, more than {most:.0} of its {} bytes of memory:\n{self}",
+            "the stack may be {} bytes deep, more than {most:.0} of its {room} bytes of memory:\n{self}",
             self.bytes(),
-            self.room
         );
         Ok(())
+    }
+
+    /// Checks that a stack that is full meets a guard, on which a handler of its own goes on.
+    fn check_guard(&self) -> Result<()> {
+        let needed = self.on_guard.iter().map(|handler| handler.bytes).max();
+        let needed = needed.context("no handler has a stack of its own, which a full one needs")?;
+        self.memory.check_guard(needed)
     }
 
     /// Compares the bound with the stack that was used.
@@ -139,7 +171,11 @@ impl fmt::Display for StackBound {
         for Station { name, bytes } in &self.handlers {
             writeln!(f, "    {bytes:6} {name} on top")?;
         }
-        write!(f, "    {:6} of {} bytes", self.bytes(), self.room)
+        write!(f, "    {:6} of {} bytes", self.bytes(), self.memory.room())?;
+        for Station { name, bytes } in &self.on_guard {
+            write!(f, "\n    {bytes:6} {name} on the guard")?;
+        }
+        Ok(())
     }
 }
 
@@ -147,14 +183,33 @@ impl fmt::Display for StackBound {
 ///
 /// # Errors
 /// As [`StackBound::of`], or an error if the stack may leave its memory with less than a quarter of
-/// it to spare.
+/// it to spare, or has no guard below it.
 pub(crate) fn check(root: &Path, image: &Path) -> Result<()> {
     let (bound, code) = StackBound::with_code(root, image)?;
     eprintln!("stack of {}:\n{bound}", image.display());
     bound.check_room()?;
+    bound.check_guard()?;
     ensure!(
         StackBound::of_code(&code, &PointerCalls::NONE).is_err(),
         "the stack has a bound without {LIST}, although the image calls by pointers: the check is blind"
     );
+    Ok(())
+}
+
+/// Shows that the stack of an image has no bound because of a function that calls itself.
+///
+/// # Errors
+/// An error if it has a bound, or none for another reason.
+pub(crate) fn check_recursion(root: &Path, image: &Path, function: &str) -> Result<()> {
+    let Err(error) = StackBound::of(root, image) else {
+        bail!(
+            "the stack of {} has a bound, although {function} calls itself: the check is blind",
+            image.display()
+        );
+    };
+    let text = format!("{error:#}");
+    let is_found = text.contains("in a circle") && text.ends_with(&format!("    {function}"));
+    ensure!(is_found, "{text}");
+    eprintln!("{text}\nas it must be: the drills overflow the stack");
     Ok(())
 }

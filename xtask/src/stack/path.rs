@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use anyhow::{Context as _, Result, bail};
+use anyhow::{Context as _, Result, bail, ensure};
 
 use super::{function::Frame, image::Code, pointers::PointerCalls};
 
@@ -13,6 +13,8 @@ struct Deepest {
     bytes: u32,
     /// The function that it calls next on that path, and the depth at that call.
     next: Option<(u32, u32)>,
+    /// True if it is that of a stack by which the function replaces that of its caller.
+    leaves_stack: bool,
 }
 
 /// Deepest paths of the functions of an image, as far as they were asked for.
@@ -49,6 +51,14 @@ impl<'a> Paths<'a> {
         Ok(deepest.bytes)
     }
 
+    /// Returns true for a function that was asked for if its stack is another one than its
+    /// caller's.
+    pub(super) fn leaves_stack(&self, start: u32) -> bool {
+        self.found
+            .get(&start)
+            .is_some_and(|deepest| deepest.leaves_stack)
+    }
+
     fn deepest_behind(&mut self, start: u32, callers: &mut Vec<u32>) -> Result<Deepest> {
         if let Some(found) = self.found.get(&start) {
             return Ok(*found);
@@ -70,15 +80,23 @@ impl<'a> Paths<'a> {
         let mut deepest = Deepest {
             bytes: frame.depth,
             next: None,
+            leaves_stack: frame.leaves_stack,
         };
         callers.push(start);
         for (callee, depth) in calls {
             let behind = self.deepest_behind(callee, callers)?;
+            ensure!(
+                !behind.leaves_stack,
+                "{} calls {}, which replaces the stack",
+                self.name(start),
+                self.name(callee)
+            );
             let bytes = depth.checked_add(behind.bytes).context("over 32 bits")?;
             if bytes > deepest.bytes {
                 deepest = Deepest {
                     bytes,
                     next: Some((callee, depth)),
+                    ..deepest
                 };
             }
         }

@@ -82,6 +82,33 @@ fn handler_is_on_top_of_the_main_loop() {
 }
 
 #[test]
+fn handler_with_a_stack_of_its_own_leaves_its_frame_on_the_other_one() {
+    // sub sp, #8; add sp, #8; bx lr, then msr msp, r1; sub sp, #16; b .
+    let (first, second) = ([0xb082, 0xb002, 0x4770], [0xf381, 0x8808, 0xb084, 0xe7fe]);
+    let code =
+        |second: &[u16]| Code::of_functions(START, 32, &[&first, second]).with_handler(START + 32);
+    let stack = StackBound::of_code(&code(&second), &PointerCalls::NONE).unwrap();
+    assert_eq!(stack.bytes(), 8 + 108);
+    // The only handler is also that of the non-maskable interrupt; the guard has 32 bytes.
+    let error = stack.check_guard().unwrap_err().to_string();
+    assert!(error.contains("needs 140 bytes"), "{error}");
+    // Without one, nobody goes on when the stack is full.
+    let stack = StackBound::of_code(&code(&first), &PointerCalls::NONE).unwrap();
+    let error = stack.check_guard().unwrap_err().to_string();
+    assert!(error.contains("no handler has a stack"), "{error}");
+    // sub sp, #8; msr msp, r1; b .: what was used on the first stack would not be counted.
+    let error = bound_of(
+        &code(&[0xb082, 0xf381, 0x8808, 0xe7fe]),
+        &PointerCalls::NONE,
+    );
+    assert!(error.unwrap_err().contains("has used"));
+    // push {r7, lr}; bl +28: a function that is no handler.
+    let caller = [0xb580, 0xf000, 0xf80d, 0xbd80];
+    let error = bound(&[&caller, &second]).unwrap_err();
+    assert_eq!(error, "f0 calls f1, which replaces the stack");
+}
+
+#[test]
 fn every_target_of_a_table_is_followed() {
     // tbb [pc, r0] with two targets, each of which makes room on the stack.
     for (first, second) in [(2, 4), (4, 2)] {

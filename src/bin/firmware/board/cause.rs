@@ -13,10 +13,11 @@ unsafe impl Sync for Word {}
 static WORD: Word = Word(UnsafeCell::new(MaybeUninit::uninit()));
 
 /// Values that are unlikely to be in memory when power comes on.
-const WORDS: [(u32, ResetCause); 3] = [
+const WORDS: [(u32, ResetCause); 4] = [
     (0x5ca1_ab1e, ResetCause::Requested),
     (0xba5e_ba11, ResetCause::Watchdog),
     (0xdead_fa11, ResetCause::Fault),
+    (0x0f10_057a, ResetCause::StackOverflow),
 ];
 
 /// Returns the cause noted before the reset, and forgets it.

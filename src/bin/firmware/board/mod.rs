@@ -15,12 +15,14 @@
 //! - `reset` and `power_off`, which wait, with a bound, until the last byte has left, and do not
 //!   return;
 //!
-//! and functions `stop_after_panic`, which does not return either, `now_us`: microseconds since the
-//! start, wrapping, also for the log, and `carry_log`, which transports the log's bytes or drops
-//! them, without waiting for a reader.
+//! and functions `stop_after_panic` and `stop_after_fault`, which do not return either, `now_us`:
+//! microseconds since the start, wrapping, also for the log, and `carry_log`, which transports the
+//! log's bytes or drops them, without waiting for a reader.
 
 mod cause;
+mod hard_fault;
 mod log;
+mod memory_guard;
 mod panic;
 mod receive_ring;
 mod stack;
@@ -37,7 +39,7 @@ use mps2 as chosen;
 use nucleo_h743zi as chosen;
 
 pub(crate) use chosen::Board;
-use chosen::stop_after_panic;
+use chosen::{stop_after_fault, stop_after_panic};
 
 #[cortex_m_rt::entry]
 fn main() -> ! {

@@ -36,6 +36,8 @@ pub(super) fn ticks() -> u32 {
 #[exception]
 fn SysTick() {
     TICKS.fetch_add(1, Ordering::Relaxed);
+    #[cfg(drills)]
+    super::drills::run_in_interrupt();
 }
 
 /// Stops the tick, for a drill.

@@ -3,10 +3,10 @@
 use core::sync::atomic::{AtomicBool, Ordering};
 
 use cortex_m::peripheral::SCB;
-use cortex_m_rt::{ExceptionFrame, exception};
+use cortex_m_rt::exception;
 use cortex_m_semihosting::debug;
 
-use super::super::cause;
+use super::super::{cause, hard_fault::HardFault};
 use super::{link, watchdog, wires};
 use fmc_camera::io::link::message::ResetCause;
 
@@ -24,10 +24,14 @@ pub(in super::super) fn stop_after_panic() -> ! {
     stop(ResetCause::Fault)
 }
 
-#[exception]
-unsafe fn HardFault(frame: &ExceptionFrame) -> ! {
-    defmt::error!("hard fault at {=u32:#010x}", frame.pc());
-    stop(ResetCause::Fault)
+/// Restarts after a stack overflow, as a board does after any fault; stops after another one.
+pub(in super::super) fn stop_after_fault(fault: &HardFault) -> ! {
+    fault.log();
+    if fault.cause == ResetCause::StackOverflow {
+        cause::note(fault.cause);
+        SCB::sys_reset()
+    }
+    stop(fault.cause)
 }
 
 /// One expiry has been forgiven since the main loop fed the watchdog last.

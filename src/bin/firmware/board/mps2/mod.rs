@@ -25,12 +25,14 @@ use cortex_m_semihosting::debug;
 use fmc_camera::io::link::{deck::RigDeck, message::ResetCause};
 use fmc_camera::io::store::{CalibrationStore, PublicKey};
 
-use super::cause;
+use super::{cause, memory_guard};
 use blocks::Blocks;
 use flash::Flash;
 use registers::SharedMemory;
 
-pub(super) use self::{clock::now_us, fault::stop_after_panic, log::carry_log};
+pub(super) use self::{
+    clock::now_us, fault::stop_after_fault, fault::stop_after_panic, log::carry_log,
+};
 
 /// Key by which the camera knows the signatures of calibrations.
 const KEY: Option<PublicKey> = PublicKey::from_pem(include_str!(env!("FMC_PUBLIC_KEY_FILE")));
@@ -59,6 +61,7 @@ impl Board {
     pub(crate) fn start() -> Option<(Self, ResetCause)> {
         let mut core = Peripherals::take()?;
         let start = cause::take();
+        memory_guard::start(&mut core.MPU, []);
         clock::start(&mut core.SYST);
         log::start();
         link::start(&mut core.NVIC);

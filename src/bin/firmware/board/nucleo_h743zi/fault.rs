@@ -5,7 +5,7 @@ use cortex_m::peripheral::SCB;
 use cortex_m_rt::exception;
 use fmc_camera::io::link::message::ResetCause;
 
-use super::super::cause;
+use super::super::{cause, hard_fault::HardFault};
 use super::{
     clock::{self, CORE_MHZ},
     control_loop,
@@ -15,10 +15,13 @@ use super::{
 const LOG_US: u32 = 20_000;
 
 /// Logs by `log`, unless the log itself failed, and restarts.
-fn restart(log: impl FnOnce()) -> ! {
+fn restart(start: ResetCause, log: impl FnOnce()) -> ! {
     control_loop::stop();
-    if cause::noted() != ResetCause::Fault {
-        cause::note(ResetCause::Fault);
+    if !matches!(
+        cause::noted(),
+        ResetCause::Fault | ResetCause::StackOverflow
+    ) {
+        cause::note(start);
         log();
         cortex_m::asm::delay(CORE_MHZ * LOG_US);
     }
@@ -27,24 +30,12 @@ fn restart(log: impl FnOnce()) -> ! {
 
 /// Restarts after the log of a panic.
 pub(in super::super) fn stop_after_panic() -> ! {
-    restart(|| ())
+    restart(ResetCause::Fault, || ())
 }
 
-/// Logs the processor's registers of the fault.
-#[exception(trampoline = false)]
-unsafe fn HardFault() -> ! {
-    // SAFETY: reading these registers has no effect.
-    let (hard, configurable) = unsafe {
-        let registers = &*SCB::PTR;
-        (registers.hfsr.read(), registers.cfsr.read())
-    };
-    restart(|| {
-        defmt::error!(
-            "hard fault, HFSR {=u32:#x}, CFSR {=u32:#x}",
-            hard,
-            configurable
-        );
-    })
+/// Restarts after a hard fault, of which a stack overflow is one.
+pub(in super::super) fn stop_after_fault(fault: &HardFault) -> ! {
+    restart(fault.cause, || fault.log())
 }
 
 /// Restarts after the clock of the ST-LINK has failed. Without it start-up waits until the watchdog
@@ -52,12 +43,16 @@ unsafe fn HardFault() -> ! {
 #[exception]
 unsafe fn NonMaskableInt() -> ! {
     clock::note_failure();
-    restart(|| defmt::error!("the clock of the ST-LINK has failed"))
+    restart(ResetCause::Fault, || {
+        defmt::error!("the clock of the ST-LINK has failed");
+    })
 }
 
 /// Restarts at once: to wait here would keep out `SysTick`, which guards the motor, and the
 /// shutter's compare.
 #[exception]
 unsafe fn DefaultHandler(number: i16) -> ! {
-    restart(|| defmt::error!("unexpected exception {=i16}", number))
+    restart(ResetCause::Fault, || {
+        defmt::error!("unexpected exception {=i16}", number);
+    })
 }

@@ -14,8 +14,8 @@ mod inputs;
 mod line;
 mod link;
 mod log;
-mod memory_guard;
 mod motor;
+mod regions;
 mod shutter;
 mod step_pins;
 mod wires;
@@ -39,9 +39,11 @@ use fmc_camera::flight::{disciplined_clock::DisciplinedClock, flown_deck::FlownD
 use fmc_camera::io::instruments::Instruments;
 use fmc_camera::io::link::{message::ResetCause, wired_deck::WiredDeck};
 
-use super::cause;
+use super::{cause, memory_guard};
 
-pub(super) use self::{clock::now_us, fault::stop_after_panic, log::carry_log};
+pub(super) use self::{
+    clock::now_us, fault::stop_after_fault, fault::stop_after_panic, log::carry_log,
+};
 
 /// The board with all parts that the firmware uses.
 pub(crate) struct Board {
@@ -75,13 +77,16 @@ impl Board {
         start_watchdog();
         let start = reason_of_start();
         let mut core = cortex_m::Peripherals::take()?;
-        memory_guard::start(&mut core.MPU);
+        memory_guard::start(&mut core.MPU, regions::REGIONS);
         core.SCB.enable_icache();
         core.SCB.enable_dcache(&mut core.CPUID);
         let p = embassy_stm32::init(clock::configuration());
         clock::watch();
 
-        let restarted = Level::from(matches!(start, ResetCause::Watchdog | ResetCause::Fault));
+        let restarted = Level::from(matches!(
+            start,
+            ResetCause::Watchdog | ResetCause::Fault | ResetCause::StackOverflow
+        ));
         let board = Self {
             link: Link::start(p.USART3, p.PD8, p.PD9),
             alive: Output::new(p.PB0, Level::High, Speed::Low),
@@ -213,12 +218,11 @@ fn reason_of_start() -> ResetCause {
     if flags.porrstf() || flags.borrstf() {
         // The mark has no content yet; reading it could fail the memory's error correction.
         cause::forget();
-        ResetCause::PowerOn
-    } else if cause::take() == ResetCause::Fault {
-        ResetCause::Fault
-    } else if flags.iwdg1rstf() {
-        ResetCause::Watchdog
-    } else {
-        ResetCause::Requested
+        return ResetCause::PowerOn;
+    }
+    match cause::take() {
+        noted @ (ResetCause::Fault | ResetCause::StackOverflow) => noted,
+        _ if flags.iwdg1rstf() => ResetCause::Watchdog,
+        _ => ResetCause::Requested,
     }
 }
