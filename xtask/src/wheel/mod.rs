@@ -37,7 +37,8 @@ const EXPORT: Wheel = Wheel {
     largest: 1_000_000,
 };
 
-/// Builds the wheels into target/python, tests them with everything that can be had, and takes times.
+/// Builds the wheels into target/python, tests them with everything that can be had, and takes
+/// times.
 ///
 /// # Errors
 /// An error if the set-up fails, or a check.
