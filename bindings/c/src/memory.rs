@@ -280,13 +280,16 @@ pub(crate) unsafe fn put_in_place<S: Storage>(
 ///
 /// # Safety
 /// Unless it is NULL or misaligned, the pointer is to a structure that begins with its size and
-/// version, and is as large as it says.
-pub(crate) unsafe fn input<T: Input>(pointer: *const T, argument: u32) -> Result<T, fmc_error> {
+/// version, is as large as it says, and is not written for `'a`.
+pub(crate) unsafe fn input<'a, T: Input>(
+    pointer: *const T,
+    argument: u32,
+) -> Result<&'a T, fmc_error> {
     placed(pointer, argument)?;
     // SAFETY: every version of the structure begins with these words.
     checked::<T>(unsafe { pointer.cast::<[u32; 2]>().read() }, argument)?;
     // SAFETY: it is of the library's size, and all its fields are valid with all bits.
-    Ok(unsafe { pointer.read() })
+    Ok(unsafe { &*pointer })
 }
 
 /// Returns elements that are read; none may be anywhere.

@@ -71,12 +71,9 @@ unsafe fn not_corrected(
 ) -> fmc_status {
     let found = || {
         // SAFETY: the caller's promise.
-        let correction = unsafe { correction(camera, frame) }?;
-        let points = points.cast::<SensorPoint>();
-        apart(camera, frame, Extent::of(points, count, 3))?;
-        // SAFETY: the caller's promise; both types are two numbers. There are none, or they are
-        // refused.
-        correction.correct_slice(unsafe { memory::elements_mut(points, count, 3) }?);
+        let (correction, points) = unsafe { pairs(camera, frame, points, count) }?;
+        // There are none, or they are refused.
+        correction.correct_slice(points);
         Ok(())
     };
     // SAFETY: the caller's promise.
@@ -126,11 +123,7 @@ pub unsafe extern "C" fn fmc_distort(
 ) -> fmc_status {
     let distorted = || {
         // SAFETY: the caller's promise.
-        let correction = unsafe { correction(camera, frame) }?;
-        let points = points.cast::<SensorPoint>();
-        apart(camera, frame, Extent::of(points, count, 3))?;
-        // SAFETY: the caller's promise; both types are two numbers.
-        let points = unsafe { memory::elements_mut(points, count, 3) }?;
+        let (correction, points) = unsafe { pairs(camera, frame, points, count) }?;
         let refused = |refused: fmc::geometry::inverse::DistortSliceError| {
             of_point(refused.error, refused.index)
         };
@@ -183,6 +176,26 @@ unsafe fn correction<'a>(
     let (camera, frame) = unsafe { (memory::kept(camera, 1)?, memory::kept(frame, 2)?) };
     unchanged(frame, camera, 2)?;
     Ok(&frame.object.correction)
+}
+
+/// Returns the correction of a frame of a camera, and points, argument 3.
+///
+/// # Safety
+/// As of the functions above.
+#[inline(never)]
+unsafe fn pairs<'a>(
+    camera: *const fmc_camera,
+    frame: *const fmc_frame,
+    points: *mut fmc_point,
+    count: usize,
+) -> Result<(&'a FrameCorrection, &'a mut [SensorPoint]), fmc_error> {
+    // SAFETY: the caller's promise.
+    let correction = unsafe { correction(camera, frame) }?;
+    let points = points.cast::<SensorPoint>();
+    apart(camera, frame, Extent::of(points, count, 3))?;
+    // SAFETY: the caller's promise; both types are two numbers.
+    let points = unsafe { memory::elements_mut(points, count, 3) }?;
+    Ok((correction, points))
 }
 
 /// Checks that points share no memory with camera and frame.

@@ -81,9 +81,9 @@ def test_figure_is_the_same_in_another_process_and_in_a_file(ixm, tmp_path):
     figure.save(path)
     assert path.read_text(encoding="utf-8") == figure.svg
     assert [one.name for one in tmp_path.iterdir()] == ["figure.svg"]
-    with pytest.raises(OSError, match="nowhere"):
+    with pytest.raises(FileNotFoundError, match="nowhere"):
         figure.save(tmp_path / "nowhere" / "figure.svg")
-    with pytest.raises(OSError, match=str(tmp_path)):
+    with pytest.raises(IsADirectoryError, match=str(tmp_path)):
         figure.save(tmp_path)
 
 

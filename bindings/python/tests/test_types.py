@@ -18,6 +18,7 @@ doubles: NDArray[np.float64] = frame.distort(np.zeros((2, 2)))
 frames = camera.frames("records.csv")
 share: float = camera.budget(height_m=441).terms[0]["limits_px"]
 camera.plot(frame).save("change.svg")
+residual: float = camera.export("colmap", "folder", binary=True)["residual_max_px"]
 many: NDArray[np.float64] = frames.correct(np.zeros((2, 2)), [0, 1], answer="ideal-shifted")
 """
 

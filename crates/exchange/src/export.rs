@@ -31,12 +31,60 @@ pub(crate) const READ_BACK_UM: f64 = 1e-6;
 pub struct Choices<'a> {
     /// Name of the model; without it the smallest that is good enough.
     pub model: Option<&'a str>,
-    /// Container of `OpenCV`'s file.
-    pub container: Container,
+    /// Container of `OpenCV`'s file; without it, that which is usual.
+    pub container: Option<Container>,
     /// `true` for COLMAP's binary files.
     pub is_binary: bool,
     /// Name of the camera in the file, where the program looks for one.
     pub key: Option<&'a str>,
+}
+
+/// A choice that a program does not have.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Misfit {
+    /// A container, of another program's file than `OpenCV`'s.
+    Container,
+    /// Binary files, of another program than COLMAP.
+    Binary,
+    /// A name of the camera, in another program's file than `OpenSfM`'s.
+    Key,
+    /// A name of the camera where every image has a camera of its own.
+    KeyOfFrames,
+    /// Frames, for a program that has one camera for all images.
+    Frames,
+    /// No frames, for a program that takes nothing else.
+    NoFrames,
+}
+
+impl Choices<'_> {
+    /// Checks that a program has these choices, with or without the frames of a flight.
+    ///
+    /// # Errors
+    /// The first [`Misfit`].
+    pub fn check(&self, program: Program, has_frames: bool) -> Result<(), Misfit> {
+        let misfits = [
+            (
+                Misfit::Container,
+                self.container.is_some() && program != Program::OpenCv,
+            ),
+            (Misfit::Binary, self.is_binary && program != Program::Colmap),
+            (
+                Misfit::Key,
+                self.key.is_some() && program != Program::OpenSfm,
+            ),
+            (
+                Misfit::Frames,
+                has_frames && !Program::WITH_FRAMES.contains(&program),
+            ),
+            (
+                Misfit::NoFrames,
+                !has_frames && !Program::WRITTEN.contains(&program),
+            ),
+            (Misfit::KeyOfFrames, has_frames && self.key.is_some()),
+        ];
+        let first = misfits.into_iter().find(|(_, is_misfit)| *is_misfit);
+        first.map_or(Ok(()), |(misfit, _)| Err(misfit))
+    }
 }
 
 /// A term of the calibration that the file has no place for.
@@ -192,8 +240,9 @@ fn files(
     let file = |name: &str, text: String| (name.to_owned(), text.into_bytes());
     match program {
         Program::OpenCv => {
-            let text = opencv::write(camera, pinhole, model, choices.container);
-            vec![file(choices.container.file(), text)]
+            let container = choices.container.unwrap_or_default();
+            let text = opencv::write(camera, pinhole, model, container);
+            vec![file(container.file(), text)]
         }
         Program::Ros => vec![file(ros::FILE, ros::write(camera, pinhole, model))],
         Program::Kalibr => vec![file(kalibr::FILE, kalibr::write(camera, pinhole))],

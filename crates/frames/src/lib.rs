@@ -29,6 +29,7 @@ pub mod record_files;
 pub mod records;
 pub mod row;
 mod sequences;
+pub mod source;
 pub mod table;
 pub mod time;
 pub mod trajectory;

@@ -18,6 +18,8 @@
 
 #![forbid(unsafe_code)]
 
+pub mod error_number;
 pub mod file_set;
 pub mod part;
+pub mod place;
 pub mod unfinished;

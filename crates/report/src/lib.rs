@@ -20,10 +20,10 @@ pub mod campaign;
 pub mod chart;
 #[cfg(feature = "full")]
 pub mod composition;
-#[cfg(feature = "full")]
+#[cfg(feature = "exchange")]
 pub mod exchange;
 pub mod figure;
-#[cfg(feature = "full")]
+#[cfg(feature = "exchange")]
 pub mod hash;
 #[cfg(feature = "full")]
 pub mod images;

@@ -5,7 +5,7 @@ mod frames;
 use std::io::Write;
 
 use fmc_exchange::calibrated::Calibrated;
-use fmc_exchange::export::{self, Choices, GOOD_ENOUGH_PX};
+use fmc_exchange::export::{self, Choices, GOOD_ENOUGH_PX, Misfit};
 use fmc_exchange::program::Program;
 use fmc_frames::FrameCamera;
 use fmc_reference::residual_splines::ResidualSplines;
@@ -16,16 +16,16 @@ use crate::failure::{Failure, note};
 use crate::formats::output::{self, OutputFolder, OutputSet};
 
 pub(super) fn run(args: &ExportArgs) -> Result<(), Failure> {
-    check_options(args)?;
-    let (camera, grids) = super::read_camera_with_grids(&args.camera)?;
-    let bytes =
-        std::fs::read(&args.camera).map_err(|error| Failure::reading(&args.camera, &error))?;
     let choices = Choices {
         model: args.model.as_deref(),
-        container: args.container.map(Into::into).unwrap_or_default(),
+        container: args.container.map(Into::into),
         is_binary: args.binary,
         key: args.id.as_deref(),
     };
+    check_options(args, &choices)?;
+    let (camera, grids) = super::read_camera_with_grids(&args.camera)?;
+    let bytes =
+        std::fs::read(&args.camera).map_err(|error| Failure::reading(&args.camera, &error))?;
     if let Some(records) = &args.records {
         return frames::run(args, records, (&camera, grids), &bytes, &choices);
     }
@@ -66,7 +66,7 @@ fn check_residual(args: &ExportArgs, summary: &ExportSummary) -> Result<(), Fail
 
 /// Writes the statement, into the folder and to the terminal.
 fn conclude(mut set: OutputSet<'_>, summary: &ExportSummary) -> Result<(), Failure> {
-    set.write_json("export.json", summary)?;
+    set.write_json(ExportSummary::FILE, summary)?;
     set.complete()?;
     output::write(None, |sink: &mut dyn Write| {
         writeln!(sink, "{}", summary.text())
@@ -74,41 +74,34 @@ fn conclude(mut set: OutputSet<'_>, summary: &ExportSummary) -> Result<(), Failu
 }
 
 /// Refuses options of another format.
-fn check_options(args: &ExportArgs) -> Result<(), Failure> {
-    for (option, is_given, format) in [
-        ("--as", args.container.is_some(), Program::OpenCv),
-        ("--binary", args.binary, Program::Colmap),
-        ("--id", args.id.is_some(), Program::OpenSfm),
-    ] {
-        if is_given && args.format != format {
-            return Err(Failure::bad_input(format!(
-                "{option} is an option of {}",
-                format.name()
+fn check_options(args: &ExportArgs, choices: &Choices<'_>) -> Result<(), Failure> {
+    let Err(misfit) = choices.check(args.format, args.records.is_some()) else {
+        return Ok(());
+    };
+    let name = args.format.name();
+    let option_of =
+        |option: &str, program: Program| format!("{option} is an option of {}", program.name());
+    let text = match misfit {
+        Misfit::Container => option_of("--as", Program::OpenCv),
+        Misfit::Binary => option_of("--binary", Program::Colmap),
+        Misfit::Key => option_of("--id", Program::OpenSfm),
+        Misfit::Frames => {
+            let others = Program::WITH_FRAMES.map(Program::name).join(", ");
+            let text = format!(
+                "--records: {name} has one camera for all images; a camera per image have {others}"
+            );
+            return Err(Failure::bad_input(text).with_help(format!(
+                "move the points of every frame instead: host-sim correct --records … --answer \
+                 measured-shifted goes with the one camera of export {name} without --records, \
+                 --answer ideal-shifted with a camera without distortion"
             )));
         }
-    }
-    let name = args.format.name();
-    let takes_frames = Program::WITH_FRAMES.contains(&args.format);
-    if args.records.is_some() && !takes_frames {
-        let others = Program::WITH_FRAMES.map(Program::name).join(", ");
-        return Err(Failure::bad_input(format!(
-            "--records: {name} has one camera for all images; a camera per image have {others}"
-        ))
-        .with_help(format!(
-            "move the points of every frame instead: host-sim correct --records … --answer \
-             measured-shifted goes with the one camera of export {name} without --records, \
-             --answer ideal-shifted with a camera without distortion"
-        )));
-    }
-    if args.records.is_none() && !Program::WRITTEN.contains(&args.format) {
-        return Err(Failure::bad_input(format!(
+        Misfit::NoFrames => format!(
             "{name} is a format of frames: --records with the records of a flight is missing"
-        )));
-    }
-    if args.records.is_some() && args.id.is_some() {
-        return Err(Failure::bad_input(
-            "--id names one camera; with --records every image has a camera of its own",
-        ));
-    }
-    Ok(())
+        ),
+        Misfit::KeyOfFrames => {
+            "--id names one camera; with --records every image has a camera of its own".to_owned()
+        }
+    };
+    Err(Failure::bad_input(text))
 }

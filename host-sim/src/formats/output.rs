@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use fmc_camera_file::InputError;
 use fmc_output::file_set::FileSet;
-use fmc_output::unfinished;
+use fmc_output::{place, unfinished};
 use serde::Serialize;
 
 use crate::failure::Failure;
@@ -84,7 +84,7 @@ pub fn stream(
 /// # Errors
 /// [`Failure`] naming the file.
 pub fn check_not_the_input(out: Option<&Path>, camera: &Path) -> Result<(), Failure> {
-    if out.is_some_and(|out| is_the_same(out, camera)) {
+    if out.is_some_and(|out| place::is_the_same(out, camera)) {
         return Err(Failure::bad_input(format!(
             "--out {} is the camera file itself",
             camera.display()
@@ -98,7 +98,7 @@ pub fn check_not_the_input(out: Option<&Path>, camera: &Path) -> Result<(), Fail
 /// # Errors
 /// [`Failure`] naming the file.
 pub fn check_not_an_input(out: &Path, input: &Path) -> Result<(), Failure> {
-    if is_the_same(out, input) {
+    if place::is_the_same(out, input) {
         return Err(Failure::bad_input(format!(
             "--out would replace {}, which is read; name another folder",
             input.display()
@@ -116,10 +116,6 @@ pub fn name_the_same(one: &Path, other: &Path) -> bool {
         Some(folder.join(path.file_name()?))
     };
     one == other || place(one).is_some_and(|one| place(other) == Some(one))
-}
-
-fn is_the_same(out: &Path, input: &Path) -> bool {
-    matches!((fs::canonicalize(out), fs::canonicalize(input)), (Ok(a), Ok(b)) if a == b)
 }
 
 fn write_file(

@@ -13,7 +13,7 @@ use serde_json::Value;
 use crate::workspace::Workspace;
 
 /// Name of an image, and cargo's arguments that choose it.
-pub(super) const IMAGES: [(&str, &str); 6] = [
+pub(super) const IMAGES: [(&str, &str); 7] = [
     (
         "qemu",
         "-p fmc-camera --features board-mps2 --target thumbv7em-none-eabihf",
@@ -27,6 +27,10 @@ pub(super) const IMAGES: [(&str, &str); 6] = [
     (
         "wheel",
         "-p fmc-camera-python --target x86_64-unknown-linux-gnu",
+    ),
+    (
+        "wheel-export",
+        "-p fmc-camera-export --target x86_64-unknown-linux-gnu",
     ),
     ("web", "-p fmc-camera-web --target wasm32-unknown-unknown"),
 ];

@@ -1,4 +1,4 @@
-//! Build of the wheel by maturin.
+//! Build of the wheels by maturin.
 
 use std::{
     ffi::OsStr,
@@ -6,9 +6,8 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use anyhow::{Context as _, Result, bail};
+use anyhow::{Context as _, Result, bail, ensure};
 
-use super::CRATE;
 use crate::{
     python::Python,
     workspace::{Workspace, host_cargo},
@@ -23,23 +22,80 @@ pub(super) enum Link {
     Zig,
 }
 
-/// Builds the wheel into a directory that then holds nothing else, and returns it.
-pub(super) fn wheel(
+/// A wheel, and what it may take.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Wheel {
+    /// Directory of its crate, from the root.
+    pub(super) directory: &'static str,
+    /// Name with which its file begins.
+    pub(super) file: &'static str,
+    /// Largest size, bytes.
+    pub(super) largest: u64,
+}
+
+impl Wheel {
+    /// Builds the wheel into a directory, and returns its path.
+    ///
+    /// # Errors
+    /// An error if the build fails, or if the wheel is larger than it may be.
+    pub(super) fn build(
+        self,
+        workspace: &Workspace,
+        python: &Python,
+        link: Link,
+        directory: &Path,
+    ) -> Result<PathBuf> {
+        maturin(workspace, python, link, self.directory, directory)?;
+        let wheel = self.found(directory)?;
+        let size = fs::metadata(&wheel)
+            .with_context(|| wheel.display().to_string())?
+            .len();
+        eprintln!("{}: {size} bytes", wheel.display());
+        ensure!(
+            size <= self.largest,
+            "the wheel is larger than {} bytes",
+            self.largest
+        );
+        Ok(wheel)
+    }
+
+    /// Returns the one file of this wheel.
+    fn found(self, directory: &Path) -> Result<PathBuf> {
+        let entries = fs::read_dir(directory).with_context(|| directory.display().to_string())?;
+        let begins = format!("{}-", self.file);
+        let mut wheels = entries
+            .filter_map(|entry| Some(entry.ok()?.path()))
+            .filter(|path| path.extension() == Some(OsStr::new("whl")))
+            .filter(|path| {
+                let name = path.file_name().and_then(OsStr::to_str);
+                name.is_some_and(|name| name.starts_with(&begins))
+            });
+        match (wheels.next(), wheels.next()) {
+            (Some(wheel), None) => Ok(wheel),
+            _ => bail!(
+                "maturin has not written one wheel {} into {}",
+                self.file,
+                directory.display()
+            ),
+        }
+    }
+}
+
+/// Runs the builder.
+fn maturin(
     workspace: &Workspace,
     python: &Python,
     link: Link,
+    source: &str,
     directory: &Path,
-) -> Result<PathBuf> {
-    if directory.exists() {
-        fs::remove_dir_all(directory).with_context(|| directory.display().to_string())?;
-    }
+) -> Result<()> {
     let maturin = python.brought("maturin")?;
     let mut command = python
         .program(&workspace.shell, &maturin)
         .quiet()
         .env("CARGO", host_cargo());
     command = command.args(["build", "--locked", "--strip", "--manifest-path"]);
-    command = command.arg(workspace.root.join(CRATE).join("Cargo.toml"));
+    command = command.arg(workspace.root.join(source).join("Cargo.toml"));
     command = command.arg("--target-dir").arg(&workspace.target_dir);
     command = command.args(["--profile", "wheel", "--out"]).arg(directory);
     command = match link {
@@ -55,16 +111,5 @@ pub(super) fn wheel(
         }
     };
     eprintln!("$ {command}");
-    command.run()?;
-    let entries = fs::read_dir(directory).with_context(|| directory.display().to_string())?;
-    let mut wheels = entries
-        .filter_map(|entry| Some(entry.ok()?.path()))
-        .filter(|path| path.extension() == Some(OsStr::new("whl")));
-    match (wheels.next(), wheels.next()) {
-        (Some(wheel), None) => Ok(wheel),
-        _ => bail!(
-            "maturin has not written one wheel into {}",
-            directory.display()
-        ),
-    }
+    command.run().map_err(Into::into)
 }

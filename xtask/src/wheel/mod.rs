@@ -1,4 +1,4 @@
-//! `cargo xtask python`: the wheel for Python, tested with the packages that use it.
+//! `cargo xtask python`: the wheels for Python, tested with the packages that use them.
 
 mod build;
 mod packages;
@@ -9,10 +9,10 @@ use std::{
     process::ExitCode,
 };
 
-use anyhow::{Context as _, Result, ensure};
+use anyhow::{Context as _, Result};
 use xshell::cmd;
 
-use self::build::Link;
+use self::build::{Link, Wheel};
 use crate::{
     NOT_CHECKED,
     equipment::Equipment,
@@ -23,13 +23,22 @@ use crate::{
     workspace::Workspace,
 };
 
-/// Directory of the crate, from the root.
-const CRATE: &str = "bindings/python";
+/// The camera.
+const CAMERA: Wheel = Wheel {
+    directory: "bindings/python",
+    file: "fmc_camera",
+    largest: 1_000_000,
+};
 
-/// Largest size of the wheel, bytes.
-const LARGEST_WHEEL: u64 = 1_000_000;
+/// Files of other programs.
+const EXPORT: Wheel = Wheel {
+    directory: "bindings/python-export",
+    file: "fmc_camera_export",
+    largest: 1_000_000,
+};
 
-/// Builds the wheel into target/python, tests it with everything that can be had, and takes times.
+/// Builds the wheels into target/python, tests them with everything that can be had, and takes
+/// times.
 ///
 /// # Errors
 /// An error if the set-up fails, or a check.
@@ -44,18 +53,23 @@ pub(crate) fn run(workspace: &Workspace) -> Result<ExitCode> {
             (python, Link::System)
         }
     };
-    let (wheel, python) = build(workspace, python, link)?;
+    let (wheels, python) = build(workspace, python, link)?;
     let python = with_spark(workspace, python);
     test(workspace, &python)?;
-    let bench = workspace.root.join(CRATE).join("benches/points.py");
+    let bench = workspace
+        .root
+        .join(CAMERA.directory)
+        .join("benches/points.py");
     let command = python.run(&workspace.shell).quiet().arg(bench);
     eprintln!("$ {command}");
     command.run()?;
-    println!("{}", wheel.display());
+    for wheel in wheels {
+        println!("{}", wheel.display());
+    }
     Ok(ExitCode::SUCCESS)
 }
 
-/// Builds the wheel for this machine and tests it.
+/// Builds the wheels for this machine and tests them.
 ///
 /// # Errors
 /// An error if a build or a test fails.
@@ -83,32 +97,31 @@ fn with_spark(workspace: &Workspace, python: Python) -> Python {
     })
 }
 
-/// Builds the wheel, and returns it with the interpreter that has it.
-fn build(workspace: &Workspace, python: Python, link: Link) -> Result<(PathBuf, Python)> {
+/// Builds the wheels, and returns them with the interpreter that has them.
+fn build(workspace: &Workspace, python: Python, link: Link) -> Result<([PathBuf; 2], Python)> {
     let out = workspace.target_dir.join("python");
-    let _lock = Workspace::lock(&out, "builds the wheel for Python")?;
-    let wheel = build::wheel(workspace, &python, link, &out.join("wheels"))?;
-    let size = fs::metadata(&wheel)
-        .with_context(|| wheel.display().to_string())?
-        .len();
-    eprintln!("{}: {size} bytes", wheel.display());
-    ensure!(
-        size <= LARGEST_WHEEL,
-        "the wheel is larger than {LARGEST_WHEEL} bytes"
-    );
+    let _lock = Workspace::lock(&out, "builds the wheels for Python")?;
+    let directory = out.join("wheels");
     let site = out.join("site");
-    if site.exists() {
-        fs::remove_dir_all(&site).with_context(|| site.display().to_string())?;
+    for old in [&directory, &site] {
+        if old.exists() {
+            fs::remove_dir_all(old).with_context(|| old.display().to_string())?;
+        }
     }
-    let unpack = python.run(&workspace.shell).args(["-m", "zipfile", "-e"]);
-    unpack.arg(&wheel).arg(&site).quiet().run()?;
-    Ok((wheel, python.with_modules(site)))
+    let camera = CAMERA.build(workspace, &python, link, &directory)?;
+    let export = EXPORT.build(workspace, &python, link, &directory)?;
+    let wheels = [camera, export];
+    for wheel in &wheels {
+        let unpack = python.run(&workspace.shell).args(["-m", "zipfile", "-e"]);
+        unpack.arg(wheel).arg(&site).quiet().run()?;
+    }
+    Ok((wheels, python.with_modules(site)))
 }
 
 /// Runs the tests.
 fn test(workspace: &Workspace, python: &Python) -> Result<()> {
     let host_sim = verify::tested_host_sim(workspace)?;
-    let tests: &Path = &workspace.root.join(CRATE);
+    let tests: &Path = &workspace.root.join(CAMERA.directory);
     let command = python
         .run(&workspace.shell)
         .quiet()

@@ -23,6 +23,7 @@ use crate::array::{self, Arguments};
 use crate::budget::Budget;
 use crate::camera_keys;
 use crate::error;
+use crate::export::{self, Options};
 use crate::exposure::{ExposureArguments, Words};
 use crate::figure::Figure;
 use crate::frame::Frame;
@@ -75,6 +76,18 @@ impl CameraParts {
     /// Residual grids; a camera without has empty ones.
     pub(crate) fn grids(&self) -> &CameraGrids<'_> {
         self.grids.borrow_dependent()
+    }
+
+    /// Returns the bytes of the files of its residual grids by their names.
+    pub(crate) fn grid_bytes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let grids = PyDict::new(py);
+        for carrier in [GridCarrier::Lens, GridCarrier::Sensor] {
+            let bytes = self.grids.borrow_owner().bytes(carrier);
+            if let (Some(name), Some(bytes)) = (self.file.grid_name(carrier), bytes) {
+                grids.set_item(name, PyBytes::new(py, bytes))?;
+            }
+        }
+        Ok(grids)
     }
 
     /// Returns true for a camera without residual grids.
@@ -159,13 +172,7 @@ impl Camera {
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let parts = &self.parts;
-        let grids = PyDict::new(py);
-        for carrier in [GridCarrier::Lens, GridCarrier::Sensor] {
-            let bytes = parts.grids.borrow_owner().bytes(carrier);
-            if let (Some(name), Some(bytes)) = (parts.file.grid_name(carrier), bytes) {
-                grids.set_item(name, PyBytes::new(py, bytes))?;
-            }
-        }
+        let grids = parts.grid_bytes(py)?;
         let restore = py.get_type::<Self>().getattr("from_text")?;
         (restore, (&parts.text, &parts.name, grids)).into_bound_py_any(py)
     }
@@ -325,6 +332,40 @@ impl Camera {
             timing_ms,
         };
         py.detach(|| Budget::new(&self.parts, stated))
+    }
+
+    /// Writes the calibration, or the frames of a flight, as another program's files into a folder,
+    /// and returns what they hold.
+    #[pyo3(signature = (
+        program, folder, *, model = None, container = None, binary = false, id = None,
+        max_residual_um = None, records = None, images = None, overwrite = false,
+    ))]
+    #[expect(clippy::too_many_arguments, reason = "they are options, by name")]
+    fn export<'py>(
+        &self,
+        py: Python<'py>,
+        program: String,
+        folder: PathBuf,
+        model: Option<String>,
+        container: Option<String>,
+        binary: bool,
+        id: Option<String>,
+        max_residual_um: Option<f64>,
+        records: Option<&Bound<'py, PyAny>>,
+        images: Option<&Bound<'py, PyAny>>,
+        overwrite: bool,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let options = Options {
+            model,
+            container,
+            binary,
+            id,
+            max_residual_um,
+            records,
+            images,
+            overwrite,
+        };
+        export::export(py, &self.parts, program, folder, options)
     }
 
     /// Draws the static distortion over the sensor, or what an exposure changes of it.

@@ -8,6 +8,7 @@ use fmc_camera::geometry::calibration::{CalibrationError, Polynomial};
 use fmc_camera::geometry::range::OutOfRange as RangeError;
 use fmc_camera::geometry::sensor::SensorPoint;
 use fmc_camera_file::InputError;
+use fmc_output::error_number;
 use fmc_points::PointError;
 use pyo3::create_exception;
 use pyo3::exceptions::{PyOSError, PyValueError};
@@ -152,11 +153,19 @@ pub(crate) fn of_input(error: &InputError) -> PyErr {
 
 /// Returns the error of a file that cannot be written: Python's own.
 pub(crate) fn of_writing(path: &Path, error: &io::Error) -> PyErr {
-    let name = path.display().to_string();
-    match error.raw_os_error() {
-        Some(number) => PyOSError::new_err((number, error.kind().to_string(), name)),
-        None => PyOSError::new_err(format!("{name}: {error}")),
-    }
+    let made = Python::attach(|py| {
+        let number = match (error.raw_os_error(), error_number::name(error)) {
+            (Some(number), _) => number,
+            (None, Some(name)) => py.import("errno")?.getattr(name)?.extract()?,
+            (None, None) => {
+                return Ok(PyOSError::new_err(format!("{}: {error}", path.display())));
+            }
+        };
+        let text = py.import("os")?.call_method1("strerror", (number,))?;
+        let arguments = (number, text.unbind(), path.display().to_string());
+        Ok(PyOSError::new_err(arguments))
+    });
+    made.unwrap_or_else(|other: PyErr| other)
 }
 
 /// Returns the error of a calibration; `text` is its sentence.

@@ -14,6 +14,7 @@ mod camera_keys;
 mod choice;
 mod columns;
 mod error;
+mod export;
 mod exposure;
 mod figure;
 mod flight_work;

@@ -1,26 +1,46 @@
 //! Records of a flight, or a table of exposures, from files and from tables in memory.
 
 use std::collections::HashMap;
-use std::fs::File;
-use std::io::{BufRead, BufReader};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-use fmc_camera_file::InputError;
-use fmc_frames::table::{self, GivenExposure};
-use fmc_frames::{FlightFrame, FrameCamera, FrameTable, records};
+use fmc_frames::{FlightFrame, FrameTable, source};
 use pyo3::prelude::*;
 
 use crate::camera::CameraParts;
 use crate::error;
 use crate::table_cells::TableCells;
 
-/// Columns that records have, and tables of exposures have not.
-const OF_RECORDS: [&str; 3] = ["trigger_us", "outcome", "calibration_crc32"];
-
 /// Name of a table in memory, in messages.
 const IN_MEMORY: &str = "records";
 
-type Each<'a> = &'a mut dyn FnMut(FlightFrame) -> Result<(), InputError>;
+/// A file, or a table in memory, that is not read yet.
+pub(crate) enum RecordSource {
+    /// Path of a file.
+    File(PathBuf),
+    /// Table in memory, as a file of CSV has it.
+    Table(Vec<u8>),
+}
+
+impl RecordSource {
+    /// Takes the path of a file or a table.
+    ///
+    /// # Errors
+    /// `fmc_camera.Error` for what is neither.
+    pub(crate) fn of(records: &Bound<'_, PyAny>) -> PyResult<Self> {
+        match records.extract::<PathBuf>() {
+            Ok(path) => Ok(Self::File(path)),
+            Err(_) => Ok(Self::Table(TableCells::of(records)?.csv()?)),
+        }
+    }
+
+    /// Returns the name in messages.
+    pub(crate) fn name(&self) -> String {
+        match self {
+            Self::File(path) => path.display().to_string(),
+            Self::Table(_) => IN_MEMORY.to_owned(),
+        }
+    }
+}
 
 /// Reads frames, and returns them with their name in messages.
 ///
@@ -35,14 +55,8 @@ pub(crate) fn read(
         None => HashMap::new(),
         Some(images) => images.extract()?,
     };
-    let file = records.extract::<PathBuf>().ok();
-    let bytes = match &file {
-        Some(_) => Vec::new(),
-        None => TableCells::of(records)?.csv()?,
-    };
-    let name = file
-        .as_ref()
-        .map_or_else(|| IN_MEMORY.to_owned(), |path| path.display().to_string());
+    let given = RecordSource::of(records)?;
+    let name = given.name();
     let table = records.py().detach(|| {
         FrameTable::collect(|each| {
             let mut named = |mut frame: FlightFrame| {
@@ -51,9 +65,12 @@ pub(crate) fn read(
                 }
                 each(frame)
             };
-            match &file {
-                Some(path) => read_file(path, &camera.camera, &mut named),
-                None => read_from(&name, bytes.as_slice(), &camera.camera, &mut named),
+            let camera = &camera.camera;
+            match &given {
+                RecordSource::File(path) => source::read(path, camera, &mut named),
+                RecordSource::Table(bytes) => {
+                    source::read_from(&name, bytes.as_slice(), camera, &mut named)
+                }
             }
         })
     });
@@ -65,37 +82,4 @@ pub(crate) fn read(
         ));
     }
     Ok((table, name))
-}
-
-fn read_file(path: &Path, camera: &FrameCamera, each: Each<'_>) -> Result<(), InputError> {
-    let file = File::open(path).map_err(|error| InputError::reading(path, &error))?;
-    let source = BufReader::with_capacity(1 << 18, file);
-    read_from(&path.display().to_string(), source, camera, each)
-}
-
-fn read_from(
-    name: &str,
-    mut source: impl BufRead,
-    camera: &FrameCamera,
-    each: Each<'_>,
-) -> Result<(), InputError> {
-    let start = source
-        .fill_buf()
-        .map_err(|error| InputError::reading(name.as_ref(), &error))?;
-    if are_records(start) {
-        records::read_from(name, source, camera, each)
-    } else {
-        table::read_from(name, source, camera, &GivenExposure::default(), each)
-    }
-}
-
-/// Returns true for the start of records: JSON, or the header of their table.
-fn are_records(start: &[u8]) -> bool {
-    let text = String::from_utf8_lossy(start);
-    let text = text.trim_start_matches('\u{feff}').trim_start();
-    let header = text.lines().next().unwrap_or_default();
-    let mut names = header.split(',').map(|name| name.trim().trim_matches('"'));
-    header.is_empty()
-        || header.starts_with(['{', '['])
-        || names.any(|name| OF_RECORDS.contains(&name))
 }

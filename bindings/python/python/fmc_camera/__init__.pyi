@@ -33,6 +33,22 @@ _Number = TypeVar("_Number", np.float32, np.float64)
 _Points = NDArray[_Number]
 _Answer = Literal["ideal", "ideal-shifted", "measured-shifted"]
 _OffSensor = Literal["extrapolate", "nan", "error"]
+_Program = Literal[
+    "opencv",
+    "ros",
+    "kalibr",
+    "colmap",
+    "metashape",
+    "opensfm",
+    "opf",
+    "pix4d",
+    "opentrackio",
+    "micmac",
+    "australis",
+    "photomodeler",
+    "arcgis",
+    "frames",
+]
 
 class Error(ValueError): ...
 
@@ -136,6 +152,20 @@ class Camera:
         encoder_um: float = 1.0,
         timing_ms: float = 0.1,
     ) -> Budget: ...
+    def export(
+        self,
+        program: _Program,
+        folder: str | PathLike[str],
+        *,
+        model: str | None = None,
+        container: Literal["yaml", "json", "xml"] | None = None,
+        binary: bool = False,
+        id: str | None = None,
+        max_residual_um: float | None = None,
+        records: Any = None,
+        images: str | Mapping[int, str] | None = None,
+        overwrite: bool = False,
+    ) -> dict[str, Any]: ...
     def plot(self, frame: Frame | None = None) -> Figure: ...
 
 @type_check_only

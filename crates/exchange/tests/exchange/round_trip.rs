@@ -94,7 +94,7 @@ fn containers_of_opencv_hold_the_same_numbers() {
     for container in [Container::Yaml, Container::Json, Container::Xml] {
         let choices = Choices {
             model: Some("opencv14"),
-            container,
+            container: Some(container),
             ..Choices::default()
         };
         let exported = export(&rc30(), Program::OpenCv, &choices).unwrap();

@@ -65,6 +65,9 @@ pub struct NotHeldSummary {
 }
 
 impl ExportSummary {
+    /// Name of its file, in the folder of the others.
+    pub const FILE: &str = "export.json";
+
     /// Returns the statement of an export of a camera file with these bytes.
     #[must_use]
     pub fn of(camera: &CameraFile, bytes: &[u8], program: Program, exported: &Exported) -> Self {

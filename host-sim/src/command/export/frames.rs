@@ -62,7 +62,7 @@ pub(super) fn run(
         .with_frames(args.format, &files, frames);
     super::check_residual(args, &summary)?;
     let folder = OutputFolder::create(&args.out)?;
-    for name in files.iter().chain(&["export.json", ORIENTATION]) {
+    for name in files.iter().chain(&[ExportSummary::FILE, ORIENTATION]) {
         let file = folder.path().join(name);
         let inputs = [
             Some(path),
