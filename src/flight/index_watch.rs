@@ -19,6 +19,10 @@ pub(crate) const UNSEEN_PART: f32 = 0.15;
 /// all of it if counts were lost, nothing if the motion was uneven.
 pub(crate) const OFF_PART: f32 = 0.5;
 
+/// Part of a step that the readings of two crossings seldom differ by: of ten differences one is
+/// larger, and is in σ as if counts were lost.
+const USUAL_STEPS: f32 = 0.7;
+
 /// Number of σ of an evenly distributed error within which it lies.
 const EVEN_SIGMA: f32 = 1.73;
 
@@ -54,8 +58,8 @@ pub(crate) const SUSPECT_SIGMA: f32 = 3.0;
 /// accelerates evenly the speed at the mark is known. To that is added [`OFF_PART`] of the
 /// difference of that crossing from the reference and of the reference from the settings, both, or
 /// the larger of a crossing that becomes the reference: uneven motion, or counts that were lost.
-/// The part that the steps make and [`EVEN_SIGMA`] times the error of the age, with the difference
-/// of the speeds, are no such difference: that error is in σ of every record. Without a crossing,
+/// [`USUAL_STEPS`] of a step and [`EVEN_SIGMA`] times the error of the age, with the difference of
+/// the speeds, are no such difference: that error is in σ of every record. Without a crossing,
 /// as on a camera without a mark, each of the n records since the last may have lost a step that
 /// the stage's watch lets pass, up to L either way and independent of the others: `σ² = n·L²/3`.
 /// The difference of a crossing that did not agree is added to that.
@@ -68,7 +72,7 @@ pub(crate) struct IndexWatch {
     /// The slowest and steadiest crossing since the camera was armed.
     reference: Option<Passage>,
     /// Difference of the last crossing from the reference and of that from the settings, beyond
-    /// that which the encoder's steps and the age of its readings make, mm.
+    /// that which the encoder's steps usually and the age of its readings make, mm.
     off_mm: f32,
     /// Tolerance of another crossing like the last one that agreed, of a stage that accelerates
     /// evenly, mm.
@@ -165,7 +169,7 @@ impl Crossing {
     /// Returns the place of the mark that the reading gives, with its age.
     pub(crate) fn passage(&self, drive: &DriveSettings) -> Passage {
         // A step in a reading looks like a change.
-        let of_step_mm_s = 1e-3 * drive.encoder_step_um / TICK_S;
+        let of_step_mm_s = drive.encoder_step_mm() / TICK_S;
         Passage {
             place_mm: self.reading_mm + self.speed.speed_mm_s * drive.velocity_loop.reading_age_s,
             speed_mm_s: self.speed.speed_mm_s,
@@ -274,14 +278,18 @@ impl IndexWatch {
             - of_age * reference.speed_mm_s;
         let covered_mm = SUSPECT_SIGMA
             * root_of_squares([UNSEEN_PART * self.tolerance_mm, OFF_PART * self.off_mm, 0.0]);
-        let of_reference_mm = (beyond_mm - of_speed_mm).max(0.0);
         let of_settings_mm = of_settings_mm.max(0.0);
-        self.off_mm = if reference == latest {
-            of_reference_mm.max(of_settings_mm)
-        } else {
-            of_reference_mm + of_settings_mm
+        let both_mm = |of_reference_mm: f32| {
+            let of_reference_mm = (of_reference_mm - of_speed_mm).max(0.0);
+            if reference == latest {
+                of_reference_mm.max(of_settings_mm)
+            } else {
+                of_reference_mm + of_settings_mm
+            }
         };
-        let is_suspect = self.tolerance_mm > 0.0 && self.off_mm > covered_mm;
+        let usual_mm = USUAL_STEPS * drive.encoder_step_mm();
+        self.off_mm = both_mm(libm::fabsf(off_mm) - usual_mm);
+        let is_suspect = self.tolerance_mm > 0.0 && both_mm(beyond_mm) > covered_mm;
         let in_doubt = (is_suspect && self.crossed_before <= last)
             .then(|| InDoubt::between([self.crossed_before, last], off_mm, false));
         self.crossed_before = crossing.next_sequence;
@@ -424,7 +432,7 @@ pub(crate) fn lost_sigma_mm(passed_mm: f32, records: f32) -> f32 {
 /// have the steps of their readings.
 pub(crate) fn steps_mm(drive: &DriveSettings) -> f32 {
     let age_s = drive.velocity_loop.reading_age_s;
-    1e-3 * drive.encoder_step_um * (1.0 + 2.0 * age_s / TICK_S)
+    drive.encoder_step_mm() * (1.0 + 2.0 * age_s / TICK_S)
 }
 
 /// Returns the largest difference of two crossings that agree, mm.

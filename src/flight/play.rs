@@ -91,14 +91,16 @@ impl Play {
         }
     }
 
-    /// Returns `true` if the screw pushes the stage along the FMC axis.
-    pub(crate) fn is_taken_up(&self) -> bool {
-        self.high_mm <= 0.0
+    /// Returns `true` if the screw pushes the stage along the FMC axis, but for what it may have
+    /// gone back by where a reading has not moved by a step of the encoder, mm.
+    pub(crate) fn is_taken_up(&self, step_mm: f32) -> bool {
+        self.high_mm <= TURNING_PART * step_mm
     }
 
-    /// Returns `true` if the screw pushes the stage against the FMC axis, with a play, mm.
-    pub(crate) fn is_taken_up_against(&self, play_mm: f32) -> bool {
-        self.low_mm >= play_mm
+    /// Returns `true` if the screw pushes the stage against the FMC axis, with a play, mm, but for
+    /// the same.
+    pub(crate) fn is_taken_up_against(&self, play_mm: f32, step_mm: f32) -> bool {
+        self.low_mm >= play_mm - TURNING_PART * step_mm
     }
 
     /// Returns the offset of the stage from its screw.
@@ -144,10 +146,28 @@ mod tests {
     #[test]
     fn stage_is_on_its_flank_once_the_play_is_taken_up() {
         assert_eq!(after(&[0.03]), NONE);
+        const STEP_MM: f32 = 0.005;
+        let is_pushed = |play: Play| {
+            let against = play.is_taken_up_against(PLAY_MM, STEP_MM);
+            (play.is_taken_up(STEP_MM), against)
+        };
         let along = Play::UNKNOWN.after(0.03, PLAY_MM);
-        assert!(along.is_taken_up() && !along.is_taken_up_against(PLAY_MM));
+        assert_eq!(is_pushed(along), (true, false));
         let against = along.after(-0.03, PLAY_MM);
-        assert!(!against.is_taken_up() && against.is_taken_up_against(PLAY_MM));
+        assert_eq!(is_pushed(against), (false, true));
+        assert_eq!(is_pushed(Play::UNKNOWN), (false, false));
+        // A screw that is slower than a step in a round is read where it was now and then.
+        for (mut slow, sign, pushed) in
+            [(along, 1.0, (true, false)), (against, -1.0, (false, true))]
+        {
+            for moved_mm in [STEP_MM, 0.0, STEP_MM, STEP_MM, 0.0, 0.0, STEP_MM] {
+                slow = slow.after(sign * moved_mm, PLAY_MM);
+                assert_eq!(is_pushed(slow), pushed);
+            }
+        }
+        // One that has come to a halt by more than that may have turned round.
+        let halted = along.after(4.0 * STEP_MM, PLAY_MM).after(0.0, PLAY_MM);
+        assert_eq!(is_pushed(halted), (false, false));
         assert!(after(&[-0.03, 0.0, 0.01, 0.01]).offset_mm < 1e-8);
         let against = after(&[0.5, 0.0, -0.03]);
         assert!((against.offset_mm - PLAY_MM).abs() < 1e-8);

@@ -11,8 +11,11 @@ pub const CAPACITY: usize = 64;
 /// Number of places before an exposure that are kept with it.
 const BEFORE: usize = 2;
 
-/// Number of the latest places that tell how evenly the stage moves.
+/// Number of the latest places that tell how evenly the stage moves: three changes of its speed.
 const RECENT: usize = 5;
+
+/// Number of the latest changes of speed, of which the largest counts.
+const RECENT_CHANGES: usize = 2;
 
 /// Time by which the path is continued beyond its ends, s.
 const CONTINUED_S: f32 = 0.003;
@@ -51,7 +54,7 @@ impl Default for StageTrack {
 pub(crate) struct TrackSpeed {
     /// Speed, mm/s.
     pub(crate) speed_mm_s: f32,
-    /// Largest change from one reading to the next, mm/s.
+    /// Largest of the last two changes from one reading to the next, mm/s.
     pub(crate) change_mm_s: f32,
     /// Largest difference of two changes that follow one another, mm/s: 0 at constant acceleration.
     /// It is the largest change where there is only one.
@@ -198,9 +201,11 @@ impl StageTrack {
         let mut change_mm_s = libm::fabsf(latest_mm_s);
         let mut bend_mm_s = None;
         let mut later_mm_s = latest_mm_s;
-        for earlier_mm_s in speeds {
+        for (number, earlier_mm_s) in (2..).zip(speeds) {
             let change = before_mm_s - earlier_mm_s;
-            change_mm_s = larger(change_mm_s, libm::fabsf(change));
+            if number <= RECENT_CHANGES {
+                change_mm_s = larger(change_mm_s, libm::fabsf(change));
+            }
             let bend = libm::fabsf(later_mm_s - change);
             bend_mm_s = Some(bend_mm_s.map_or(bend, |largest| larger(largest, bend)));
             (before_mm_s, later_mm_s) = (earlier_mm_s, change);
@@ -209,7 +214,7 @@ impl StageTrack {
         let (last, middle) = (latest().next()?, latest().nth(1)?);
         let moved_mm = last.offset_mm - middle.offset_mm;
         let after_middle_mm_s = if moved_mm == 0.0 {
-            -speed_mm_s
+            0.0
         } else {
             let part = ((offset_mm - middle.offset_mm) / moved_mm).clamp(0.0, 1.0);
             (part - 0.5) * latest_mm_s

@@ -29,7 +29,7 @@ mod fmc_camera_export {
 
     /// Writes files, which appear together, and returns the statement of what they hold.
     #[pyfunction]
-    fn write<'py>(py: Python<'py>, request: Request) -> PyResult<Bound<'py, PyAny>> {
+    fn write(py: Python<'_>, request: Request) -> PyResult<Bound<'_, PyAny>> {
         let export = request.checked(py)?;
         let summary = py.detach(|| export.write())?;
         if let Some(warning) = written::warning(&summary) {

@@ -191,7 +191,8 @@ def test_files_are_replaced_only_with_overwrite_and_all_or_none(ixm, tmp_path):
     (tmp_path / "mine.txt").write_text("mine")
     (tmp_path / "cameras.txt").write_text("older")
     before = files(tmp_path)
-    with pytest.raises(FileExistsError, match="exists, and overwrite is not True: .*cameras.txt") as caught:
+    sentence = "exists, and overwrite is not True: .*cameras.txt"
+    with pytest.raises(FileExistsError, match=sentence) as caught:
         ixm.export("colmap", tmp_path)
     assert caught.value.filename == str(tmp_path / "cameras.txt")
     assert files(tmp_path) == before

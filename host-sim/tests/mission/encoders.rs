@@ -90,13 +90,15 @@ fn standing_stage_carries_its_play() {
         scenario.written.mechanics.backlash_um = play_um;
         let flown = flown(&scenario, seed);
         let errors = Judgement::of(&scenario, &flown).errors;
-        let mut standing = 0;
+        let (mut standing, mut turned) = (0, 0);
         for (frame, errors) in flown.frames.iter().zip(&errors) {
             let (Outcome::Exposed(exposed), Some(errors)) = (&frame.record.outcome, errors) else {
                 continue;
             };
             if exposed.interior.motion.travel_mm.abs() < 1e-4 {
                 standing += 1;
+                let common_um = 1e3 * exposed.principal_point_sigma.common_mm;
+                turned += u32::from((0.06..0.3).contains(&common_um));
             }
             let ratio = errors.pp_error_px / errors.sigma_px;
             assert!(
@@ -106,5 +108,7 @@ fn standing_stage_carries_its_play() {
             );
         }
         assert!(standing > 0, "{name}");
+        let turns_round = [8, 12].contains(&seed);
+        assert!(!turns_round || turned > 5, "{name}, seed {seed}: {turned}");
     }
 }

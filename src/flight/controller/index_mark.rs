@@ -127,7 +127,7 @@ impl StageMachine {
         let speed_mm_s = self.setpoint(now)?.speed_mm_s;
         let is_along = speed_mm_s > 0.0;
         let is_pushed = if is_along {
-            self.is_pushed_along()
+            self.is_pushed_along(setup)
         } else {
             speed_mm_s < 0.0 && self.is_pushed_against(setup)
         };

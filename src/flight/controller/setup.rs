@@ -131,8 +131,7 @@ impl Setup<'_> {
             travel_mm: direction.sign() * interior.motion.travel_mm,
             wander_mm,
             // Two readings, each rounded to a step of the encoder.
-            travel_sigma_mm: 1e-3 * self.settings.drive.encoder_step_um
-                / fmc_camera_kernel::sqrt(6.0),
+            travel_sigma_mm: self.settings.drive.encoder_step_mm() / fmc_camera_kernel::sqrt(6.0),
             principal_point: interior.principal_point,
         };
         self.smear.of(&vh, aircraft, &compensation)
@@ -144,8 +143,7 @@ impl Setup<'_> {
     pub(super) fn allowed_change_mm(&self, travel_mm: f32, exposure_s: f32) -> f32 {
         let pixel_mm = self.camera.calibration().sensor().pixel_mm();
         let of_speed = 0.01 * self.settings.speed_tolerance_percent * libm::fabsf(travel_mm);
-        let of_steps =
-            1e-3 * self.settings.drive.encoder_step_um * SLOPE_STEPS * exposure_s / TICK_S;
+        let of_steps = self.settings.drive.encoder_step_mm() * SLOPE_STEPS * exposure_s / TICK_S;
         of_speed.max(self.settings.smear_budget_px * pixel_mm) + of_steps
     }
 

@@ -73,6 +73,11 @@ impl DriveSettings {
         }
     }
 
+    /// Returns a step of the encoder, mm.
+    pub(crate) fn encoder_step_mm(&self) -> f32 {
+        1e-3 * self.encoder_step_um
+    }
+
     /// Returns the play that the encoder does not see, mm.
     pub(crate) fn unseen_play_mm(&self) -> f32 {
         match self.encoder_side {

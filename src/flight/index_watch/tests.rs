@@ -6,6 +6,9 @@ use super::*;
 /// Largest difference of two readings of a place: `0.1·(1 + 2·0.1/1)` µm.
 const STEPS_MM: f32 = 1.2e-4;
 
+/// Difference of two readings of a place that nine of ten do not exceed: 0.7 of a step.
+const USUAL_MM: f32 = 7e-5;
+
 /// Tolerance of two crossings at the same steady speed: the steps and 5 · 0.02 µm.
 const REPEAT_MM: f32 = STEPS_MM + 1e-4;
 
@@ -135,7 +138,7 @@ fn difference_beyond_the_steps_is_half_in_sigma_and_leaves_the_records_since_in_
     watch.count_record();
     // 0.15 µm: more than the steps, less than with the noise of the mark.
     assert_eq!(cross(&mut watch, 1.5e-4, 5.0, 3), None);
-    let off_mm = 1.5e-4 - STEPS_MM;
+    let off_mm = 1.5e-4 - USUAL_MM;
     assert_near(
         sigma_mm(&watch, 0.0),
         libm::hypotf(0.15 * REPEAT_MM, 0.5 * off_mm),
@@ -178,7 +181,7 @@ fn difference_that_agrees_leaves_records_in_doubt_whose_sigma_does_not_cover_it(
 #[test]
 fn age_of_a_reading_explains_a_difference_between_speeds_and_no_more() {
     // 1.73 σ of the age, 3.46 µs, at 45 mm/s more than the reference.
-    let explained_mm = STEPS_MM + 1.73 * 2e-6 * 45.0;
+    let explained_mm = USUAL_MM + 1.73 * 2e-6 * 45.0;
     let floor_mm = 0.15 * (STEPS_MM + 5.0 * libm::hypotf(2e-5, 2e-6 * 45.0));
     for beyond_mm in [0.0, 1e-4] {
         let mut watch = IndexWatch::new();
@@ -255,7 +258,7 @@ fn difference_from_a_reference_that_is_off_the_settings_itself_counts_with_that(
     assert_eq!(cross(&mut watch, 2e-4, 5.0, 1), None);
     watch.count_record();
     let beyond_mm = 5e-5;
-    cross(&mut watch, 2e-4 + STEPS_MM + beyond_mm, 5.0, 2);
+    cross(&mut watch, 2e-4 + USUAL_MM + beyond_mm, 5.0, 2);
     let off_mm = beyond_mm + 2e-4 - 0.5 * STEPS_MM - 1.73 * 2e-6 * 5.0;
     assert_near(
         sigma_mm(&watch, 0.0),

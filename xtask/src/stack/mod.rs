@@ -210,6 +210,6 @@ pub(crate) fn check_recursion(root: &Path, image: &Path, function: &str) -> Resu
     let text = format!("{error:#}");
     let is_found = text.contains("in a circle") && text.ends_with(&format!("    {function}"));
     ensure!(is_found, "{text}");
-    eprintln!("{text}\nas it must be: the drills overflow the stack");
+    eprintln!("{text}\nexpected: the drills overflow the stack");
     Ok(())
 }

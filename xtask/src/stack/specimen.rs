@@ -92,7 +92,7 @@ fn handler_with_a_stack_of_its_own_leaves_its_frame_on_the_other_one() {
     // The only handler is also that of the non-maskable interrupt; the guard has 32 bytes.
     let error = stack.check_guard().unwrap_err().to_string();
     assert!(error.contains("needs 140 bytes"), "{error}");
-    // Without one, nobody goes on when the stack is full.
+    // Without one, no handler can run on a full stack.
     let stack = StackBound::of_code(&code(&first), &PointerCalls::NONE).unwrap();
     let error = stack.check_guard().unwrap_err().to_string();
     assert!(error.contains("no handler has a stack"), "{error}");

@@ -154,7 +154,9 @@ pub(crate) fn of_input(error: &InputError) -> PyErr {
 /// Returns the error of a file that cannot be written: Python's own.
 pub(crate) fn of_writing(path: &Path, error: &io::Error) -> PyErr {
     let made = Python::attach(|py| {
-        let number = match (error.raw_os_error(), error_number::name(error)) {
+        // Windows has numbers of its own.
+        let number = error.raw_os_error().filter(|_| cfg!(not(windows)));
+        let number = match (number, error_number::name(error)) {
             (Some(number), _) => number,
             (None, Some(name)) => py.import("errno")?.getattr(name)?.extract()?,
             (None, None) => {

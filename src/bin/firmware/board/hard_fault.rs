@@ -1,7 +1,7 @@
 //! Handler of hard faults, on a stack of its own: the other one may be full.
 //!
-//! A fault whose frame finds no room on the stack still leads to the handler (ARM DDI 0337E,
-//! section 5.12.1). The memory protection is off there, so the guard below the stack is memory for
+//! A fault whose frame finds no room on the stack still leads to the handler (ARM DDI
+//! 0403E, derived exceptions on exception entry). The memory protection is off there, so the guard below the stack is memory for
 //! the handler: it overwrites neither the stack nor the statics.
 
 use core::arch::naked_asm;
@@ -75,11 +75,19 @@ impl HardFault {
 }
 
 /// The handler's first instructions, which use no stack: its own begins where the guard ends.
+///
+/// Registers of the floating-point unit that the entry has left to be stored later (`LSPACT` in
+/// FPCCR) are not stored: their place is in the guard, or nowhere.
 #[unsafe(naked)]
 #[unsafe(export_name = "HardFault")]
 #[unsafe(link_section = ".HardFault.user")]
 unsafe extern "C" fn enter() -> ! {
     naked_asm!(
+        "movw r2, #0xef34",
+        "movt r2, #0xe000",
+        "ldr r3, [r2]",
+        "bic r3, r3, #1",
+        "str r3, [r2]",
         "mrs r0, msp",
         "movw r1, #:lower16:_stack_end",
         "movt r1, #:upper16:_stack_end",

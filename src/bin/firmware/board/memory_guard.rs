@@ -25,7 +25,7 @@ pub(super) const fn size(bytes: u64) -> u32 {
 }
 
 /// Switches the protection on: addresses and attributes of the board's regions, of which a later
-/// one comes before an earlier one, and the guard below the stack.
+/// one takes precedence, and the guard below the stack.
 pub(super) fn start<const N: usize>(mpu: &mut MPU, regions: [(u32, u32); N]) {
     let guard = u32::try_from(stack::guard().start).unwrap_or(0);
     let guard = (

@@ -50,7 +50,7 @@ impl FrameMachine {
                 sigma.common_mm = stage.index.sigma_mm(sigma.common_mm, drive, passed_mm);
                 let sign = setup.settings.direction.sign();
                 let grown_mm = stage.play_watch.off_mm();
-                if grown_mm > 0.0 && is_play_in_error(drive, stage.is_pushed_along(), sign) {
+                if grown_mm > 0.0 && is_play_in_error(drive, stage.is_pushed_along(setup), sign) {
                     sigma.common_mm = libm::hypotf(sigma.common_mm, grown_mm);
                 }
                 sigma.frame_mm = libm::hypotf(sigma.frame_mm, stage.off_mm());

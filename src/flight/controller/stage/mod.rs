@@ -360,14 +360,16 @@ impl StageMachine {
     }
 
     /// Returns `true` if the screw pushes the stage along the FMC axis.
-    pub(super) fn is_pushed_along(&self) -> bool {
-        self.play.is_taken_up()
+    pub(super) fn is_pushed_along(&self, setup: &Setup) -> bool {
+        self.play
+            .is_taken_up(setup.settings.drive.encoder_step_mm())
     }
 
     /// Returns `true` if the screw pushes the stage against the FMC axis.
     pub(super) fn is_pushed_against(&self, setup: &Setup) -> bool {
-        let play_mm = setup.settings.drive.unseen_play_mm();
-        self.play.is_taken_up_against(play_mm)
+        let drive = &setup.settings.drive;
+        let (play_mm, step_mm) = (drive.unseen_play_mm(), drive.encoder_step_mm());
+        self.play.is_taken_up_against(play_mm, step_mm)
     }
 
     pub(super) const fn is_released(&self) -> bool {

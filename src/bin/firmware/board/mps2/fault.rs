@@ -24,11 +24,14 @@ pub(in super::super) fn stop_after_panic() -> ! {
     stop(ResetCause::Fault)
 }
 
-/// Restarts after a stack overflow, as a board does after any fault; stops after another one.
+/// Restarts after a stack overflow, as a board does after any fault; ends QEMU after any other.
 pub(in super::super) fn stop_after_fault(fault: &HardFault) -> ! {
-    fault.log();
-    if fault.cause == ResetCause::StackOverflow {
+    let is_overflow = fault.cause == ResetCause::StackOverflow;
+    if is_overflow {
         cause::note(fault.cause);
+    }
+    fault.log();
+    if is_overflow {
         SCB::sys_reset()
     }
     stop(fault.cause)
