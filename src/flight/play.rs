@@ -36,10 +36,11 @@ pub(crate) struct PlayOffset {
 ///
 /// Without force, vibration may move the stage from one flank to the other: both ends of the play
 /// are possible. An interval from lo to hi counts as two points then, the flanks on which friction
-/// keeps the stage: h, its part of σ, is (hi - lo)/2. Once a flank has pushed the stage, an interval
-/// comes of turns alone, and the stage may be anywhere in it: h is (hi - lo)/√12. A third offset, w,
-/// moves as hi does with a play that is larger by [`PLAY_SIGMA_PART`]: it differs from hi as long as
-/// the stage is where the far flank has left it. Mean (lo + hi)/2, `σ² = h² + (w - hi)²`.
+/// keeps the stage: h, its part of σ, is (hi - lo)/2. Once a flank has pushed the stage, an
+/// interval comes of turns alone, and the stage may be anywhere in it: h is (hi - lo)/√12. A third
+/// offset, w, moves as hi does with a play that is larger by [`PLAY_SIGMA_PART`]: it differs from
+/// hi as long as the stage is where the far flank has left it. Mean (lo + hi)/2,
+/// `σ² = h² + (w - hi)²`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Play {
     /// Least and largest possible offset, mm.
@@ -128,6 +129,7 @@ mod tests {
     use super::*;
 
     const PLAY_MM: f32 = 0.02;
+    const STEP_MM: f32 = 0.005;
     /// Moves before and after a turn that hardly goes beyond them.
     const SLOW_MM: f32 = 2e-5;
     const NONE: PlayOffset = PlayOffset {
@@ -146,7 +148,6 @@ mod tests {
     #[test]
     fn stage_is_on_its_flank_once_the_play_is_taken_up() {
         assert_eq!(after(&[0.03]), NONE);
-        const STEP_MM: f32 = 0.005;
         let is_pushed = |play: Play| {
             let against = play.is_taken_up_against(PLAY_MM, STEP_MM);
             (play.is_taken_up(STEP_MM), against)

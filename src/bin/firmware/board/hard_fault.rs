@@ -1,8 +1,8 @@
 //! Handler of hard faults, on a stack of its own: the other one may be full.
 //!
-//! A fault whose frame finds no room on the stack still leads to the handler (ARM DDI
-//! 0403E, derived exceptions on exception entry). The memory protection is off there, so the guard below the stack is memory for
-//! the handler: it overwrites neither the stack nor the statics.
+//! A fault whose frame finds no room on the stack still leads to the handler (ARM DDI 0403E,
+//! derived exceptions on exception entry). The memory protection is off there, so the guard below
+//! the stack is memory for the handler: it overwrites neither the stack nor the statics.
 
 use core::arch::naked_asm;
 
