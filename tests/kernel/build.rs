@@ -4,7 +4,7 @@
 use std::{env, error::Error, fs, path::Path};
 
 /// Cortex-M4F and M7: mps2-an386, mps2-an500.
-const MPS2: &str = "../../src/bin/firmware/board/mps2/memory.x";
+const MPS2: &str = "../../tests/kernel/mps2.x";
 /// Cortex-M55: mps3-an547.
 const MPS3: &str = "../../tests/kernel/mps3.x";
 

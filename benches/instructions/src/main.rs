@@ -39,6 +39,7 @@ mod sensors;
 #[cfg(target_os = "none")]
 mod specimen;
 #[cfg(target_os = "none")]
+#[allow(dead_code, reason = "the guard is the firmware's")]
 #[path = "../../../src/bin/firmware/board/stack.rs"]
 mod stack;
 
