@@ -17,7 +17,7 @@ pub(crate) const UNSEEN_PART: f32 = 0.15;
 
 /// Part, as σ, of a difference of two crossings that agree, beyond what the encoder's steps make:
 /// all of it if counts were lost, nothing if the motion was uneven.
-pub(crate) const OFF_PART: f32 = 0.5;
+pub(crate) const OFF_PART: f32 = 0.75;
 
 /// Part of a step that the readings of two crossings seldom differ by: of ten differences one is
 /// larger, and is in σ as if counts were lost.

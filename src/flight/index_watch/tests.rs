@@ -141,7 +141,7 @@ fn difference_beyond_the_steps_is_half_in_sigma_and_leaves_the_records_since_in_
     let off_mm = 1.5e-4 - USUAL_MM;
     assert_near(
         sigma_mm(&watch, 0.0),
-        libm::hypotf(0.15 * REPEAT_MM, 0.5 * off_mm),
+        libm::hypotf(0.15 * REPEAT_MM, 0.75 * off_mm),
     );
     watch.count_record();
     assert_eq!(cross(&mut watch, 0.01, 5.0, 4).unwrap().from_sequence, 2);
@@ -190,7 +190,7 @@ fn age_of_a_reading_explains_a_difference_between_speeds_and_no_more() {
         assert_eq!(cross(&mut watch, explained_mm + beyond_mm, 50.0, 2), None);
         assert_near(
             sigma_mm(&watch, 0.0),
-            libm::hypotf(floor_mm, 0.5 * beyond_mm),
+            libm::hypotf(floor_mm, 0.75 * beyond_mm),
         );
     }
 }
@@ -202,7 +202,7 @@ fn difference_of_the_reference_from_the_settings_is_half_in_sigma() {
     // The settings have half the steps of a difference.
     let off_mm = 3e-4 - 0.5 * STEPS_MM - 1.73 * 2e-6 * 5.0;
     let floor_mm = 0.15 * (STEPS_MM + 5.0 * libm::hypotf(2e-5, 1e-5));
-    assert_near(sigma_mm(&watch, 0.0), libm::hypotf(floor_mm, 0.5 * off_mm));
+    assert_near(sigma_mm(&watch, 0.0), libm::hypotf(floor_mm, 0.75 * off_mm));
 }
 
 #[test]
@@ -262,6 +262,6 @@ fn difference_from_a_reference_that_is_off_the_settings_itself_counts_with_that(
     let off_mm = beyond_mm + 2e-4 - 0.5 * STEPS_MM - 1.73 * 2e-6 * 5.0;
     assert_near(
         sigma_mm(&watch, 0.0),
-        libm::hypotf(0.15 * REPEAT_MM, 0.5 * off_mm),
+        libm::hypotf(0.15 * REPEAT_MM, 0.75 * off_mm),
     );
 }
