@@ -50,7 +50,7 @@ impl StageMachine {
         let drive = &setup.settings.drive;
         let shutter = setup.camera.shutter();
         let motion = PrincipalPointMotion::from_samples(&path.samples, exposure_s, shutter).ok()?;
-        let step_mm = drive.encoder_step_mm();
+        let step_mm = 1e-3 * drive.encoder_step_um;
         // The encoder's own steps do not count as wander.
         let wander_mm = (path.wander_mm - step_mm).max(0.0);
         let share = (longest_gap_s / exposure_s).min(1.0);
@@ -99,7 +99,7 @@ fn sigma_of_readings(
     play_sigma_mm: f32,
 ) -> PrincipalPointSigma {
     let square = |value: f32| value * value;
-    let step_mm = drive.encoder_step_mm();
+    let step_mm = 1e-3 * drive.encoder_step_um;
     let speed_mm_s = motion.travel_mm / exposure_s;
     let moved_steps = libm::fabsf(motion.travel_mm) / step_mm;
     let readings = 1.0 + read.min(moved_steps);
