@@ -12,6 +12,7 @@ use crate::geometry::calibration::{Calibration, CalibrationError, CalibrationPar
 use crate::geometry::camera_grids::CameraGrids;
 use crate::geometry::frame_correction::{Fold, FrameCorrection};
 use crate::geometry::grid::GridChecksums;
+use crate::geometry::interval::lesser;
 use crate::geometry::lens_grid_bounds::LensGridBounds;
 use crate::geometry::principal_distance::FocusShift;
 use crate::geometry::principal_point::{PrincipalPointMotion, UniformTravel};
@@ -121,41 +122,50 @@ impl Camera {
     /// # Errors
     /// [`CalibrationError`] naming the quantity, its value and the allowed range.
     pub fn new(parameters: CameraParameters) -> Result<Self, CalibrationError> {
-        let calibration = Calibration::new(parameters.calibration)?;
+        Self::validated(&parameters, None)
+    }
+
+    fn validated(
+        parameters: &CameraParameters,
+        id: Option<CalibrationId>,
+    ) -> Result<Self, CalibrationError> {
         let stroke_mm = parameters.calibration.stroke_mm;
-        let stage = match parameters.mechanism {
+        let limits = match parameters.mechanism {
             Mechanism::Stage {
                 acceleration_mm_s2,
                 settling_ms,
                 run_up: _,
                 jerk_mm_s3,
                 max_speed_mm_s,
-            } => Stage::new(MechanismLimits {
+            } => MechanismLimits {
                 acceleration_mm_s2,
                 jerk_mm_s3,
                 max_speed_mm_s,
                 settling_ms,
                 stroke_mm,
-            })?,
+            },
             Mechanism::Tdi { first_transfer } => {
                 Quantity::FirstTransfer.check(first_transfer)?;
                 let (_, most) = Quantity::AccelerationMmS2.range();
-                Stage::new(MechanismLimits {
+                MechanismLimits {
                     acceleration_mm_s2: most,
                     jerk_mm_s3: None,
                     max_speed_mm_s: None,
                     settling_ms: 0.0,
                     stroke_mm,
-                })?
+                }
             }
         };
+        let stage = Stage::new(limits)?;
+        let shutter = Shutter::new(parameters.shutter)?;
+        let limits = parameters.limits.checked()?;
         Ok(Self {
-            id: None,
-            calibration,
+            id,
+            calibration: Calibration::new(parameters.calibration)?,
             mechanism: parameters.mechanism,
             stage,
-            shutter: Shutter::new(parameters.shutter)?,
-            limits: parameters.limits.checked()?,
+            shutter,
+            limits,
             grids: parameters.grids,
             lens_grid: None,
         })
@@ -170,14 +180,13 @@ impl Camera {
         crc: u32,
         storage: Storage,
     ) -> Result<Self, CalibrationError> {
-        let mut camera = Self::new(parameters)?;
-        camera.id = Some(CalibrationId {
+        let id = CalibrationId {
             serial: parameters.serial,
             version: parameters.version,
             crc,
             storage,
-        });
-        Ok(camera)
+        };
+        Self::validated(&parameters, Some(id))
     }
 
     /// Identity of the calibration; `None` if none was given.
@@ -279,15 +288,12 @@ impl Camera {
             speed_mm_s: self.tracking(exposure).speed_mm_s,
             exposure_s: exposure.exposure_s,
         };
-        match self.mechanism {
-            Mechanism::Stage { .. } => Ok(PrincipalPointMotion::from_plan(travel, &self.shutter)),
-            Mechanism::Tdi { first_transfer } => Ok(PrincipalPointMotion::from_tdi(
-                travel,
-                self.calibration.sensor().pixel_mm(),
-                first_transfer,
-                &self.shutter,
-            )?),
+        let mut motion = PrincipalPointMotion::from_plan(travel, &self.shutter);
+        if let Mechanism::Tdi { first_transfer } = self.mechanism {
+            let pixel_mm = self.calibration.sensor().pixel_mm();
+            motion = motion.in_rows(pixel_mm, first_transfer, &self.shutter)?;
         }
+        Ok(motion)
     }
 
     /// The frame predicted for an exposure.
@@ -362,11 +368,8 @@ impl Camera {
             exit_pupil_mm: parameters.exit_pupil_mm,
             sign: exposure.focus_sign,
         };
-        let largest_um = 1000.0
-            * MAX_FOCUS_FRACTION
-            * parameters
-                .exit_pupil_mm
-                .min(parameters.principal_distance_mm);
+        let nearer_mm = lesser(parameters.exit_pupil_mm, parameters.principal_distance_mm);
+        let largest_um = 1000.0 * MAX_FOCUS_FRACTION * nearer_mm;
         Quantity::FocusShiftUm.check_within(shift.shift_mm * 1000.0, -largest_um, largest_um)?;
         Ok(shift)
     }

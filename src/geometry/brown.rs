@@ -1,13 +1,14 @@
 //! Brown's polynomial: the static distortion of a lens.
 
 use super::evaluation_form::{Displacement, EvaluationForm, Jacobian};
-use super::range::{OutOfRange, Quantity};
+use super::range::{OutOfRange, Quantity, check_finite};
 
 /// Coefficients of the static distortion, *measured - ideal*, about the principal point.
 ///
 /// Brown/Australis order: P1 goes with x̄². Published *corrections* have the opposite sign.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, bytemuck::Pod, bytemuck::Zeroable)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[repr(C)]
 pub struct Brown {
     /// K0, dimensionless: the gauge of the principal distance.
     pub k0: f32,
@@ -40,24 +41,29 @@ impl Brown {
         b2: 0.0,
     };
 
-    /// Returns the coefficients if all of them are finite numbers.
+    /// Quantities of the fields, in their order.
+    const QUANTITIES: [Quantity; 8] = [
+        Quantity::K0,
+        Quantity::K1,
+        Quantity::K2,
+        Quantity::K3,
+        Quantity::P1,
+        Quantity::P2,
+        Quantity::B1,
+        Quantity::B2,
+    ];
+
+    /// The coefficients, in the order of the fields.
+    pub(crate) fn coefficients(&self) -> &[f32; 8] {
+        bytemuck::must_cast_ref(self)
+    }
+
+    /// Checks that all coefficients are finite numbers.
     ///
     /// # Errors
     /// [`OutOfRange`], which names the first that is not.
-    pub fn checked(self) -> Result<Self, OutOfRange> {
-        for (quantity, value) in [
-            (Quantity::K0, self.k0),
-            (Quantity::K1, self.k1),
-            (Quantity::K2, self.k2),
-            (Quantity::K3, self.k3),
-            (Quantity::P1, self.p1),
-            (Quantity::P2, self.p2),
-            (Quantity::B1, self.b1),
-            (Quantity::B2, self.b2),
-        ] {
-            quantity.check_finite(value)?;
-        }
-        Ok(self)
+    pub fn check(&self) -> Result<(), OutOfRange> {
+        check_finite(&Self::QUANTITIES, self.coefficients())
     }
 
     /// Returns the static distortion at a point relative to the principal point.

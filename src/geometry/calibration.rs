@@ -4,6 +4,7 @@ use core::fmt;
 
 use super::brown::Brown;
 use super::five_coefficient::FiveCoefficients;
+use super::interval::lesser;
 use super::invertibility::{Folds, MIN_SCALE, Region, least_scale};
 use super::principal_distance::Flatness;
 use super::range::{MAX_FOCUS_FRACTION, OutOfRange, Quantity};
@@ -58,6 +59,65 @@ impl CalibrationParameters {
             axis: FmcAxis::PlusY,
             stroke_mm: DEFAULT_STROKE_MM,
             flatness: Flatness::FLAT,
+        }
+    }
+
+    /// Returns the pixel array if every number is finite and in its range.
+    fn sensor(&self) -> Result<Sensor, OutOfRange> {
+        let sensor = Sensor::new(self.width_px, self.height_px, self.pixel_um)?;
+        let pp = self.principal_point;
+        let (half_width, half_height) = (sensor.half_width_mm(), sensor.half_height_mm());
+        Quantity::PrincipalDistanceMm.check(self.principal_distance_mm)?;
+        Quantity::ExitPupilMm.check(self.exit_pupil_mm)?;
+        Quantity::PrincipalPointX.check_within(pp.x_mm, -half_width, half_width)?;
+        Quantity::PrincipalPointY.check_within(pp.y_mm, -half_height, half_height)?;
+        Quantity::StrokeMm.check(self.stroke_mm)?;
+        self.flatness.check(0.5 * self.stroke_mm)?;
+        self.distortion.check()?;
+        if let Some(fitted) = &self.fitted {
+            fitted.check()?;
+        }
+        Ok(sensor)
+    }
+
+    /// Returns [`Calibration::region`].
+    fn region(&self, sensor: &Sensor) -> Region {
+        let reach = |half: f32, pp: f32, along: bool| {
+            let travel = if along { 0.5 * self.stroke_mm } else { 0.0 };
+            (half + pp.abs() + travel) / (1.0 - MAX_FOCUS_FRACTION)
+        };
+        let pp = self.principal_point;
+        let along_x = self.axis.is_x();
+        Region {
+            reach_x: reach(sensor.half_width_mm(), pp.x_mm, along_x),
+            reach_y: reach(sensor.half_height_mm(), pp.y_mm, !along_x),
+        }
+    }
+
+    /// Returns the lower bound of the scale over a region if a grid adds `added_slope` to the
+    /// polynomials.
+    fn least_scale(&self, region: Region, added_slope: f32) -> Result<f32, Folding> {
+        let lens = self.distortion.evaluation_form();
+        let moving = exposure_slope(&self.distortion, region, self.stroke_mm);
+        let of_lens = least_scale(&lens, region, moving + added_slope)
+            .map_err(|folds| self.folds(Polynomial::Static, folds))?;
+        let Some(fitted) = self.fitted else {
+            return Ok(of_lens);
+        };
+        let still = fitted.folded(lens, 0.0, self.axis);
+        let radius_mm = region.radius_mm();
+        let moving = 2.0 * (fitted.kd1.abs() + fitted.pm1.abs()) * self.stroke_mm * radius_mm;
+        let of_fitted = least_scale(&still, region, moving + added_slope)
+            .map_err(|folds| self.folds(Polynomial::Fitted, folds))?;
+        Ok(lesser(of_lens, of_fitted))
+    }
+
+    fn folds(&self, polynomial: Polynomial, folds: Folds) -> Folding {
+        let pp = self.principal_point;
+        Folding {
+            polynomial,
+            scale: folds.scale,
+            at: SensorPoint::new(pp.x_mm + folds.x, pp.y_mm + folds.y),
         }
     }
 }
@@ -147,41 +207,22 @@ impl Calibration {
     /// # Errors
     /// [`CalibrationError`], which names the quantity, its value and the allowed range.
     pub fn new(parameters: CalibrationParameters) -> Result<Self, CalibrationError> {
-        let sensor = Sensor::new(
-            parameters.width_px,
-            parameters.height_px,
-            parameters.pixel_um,
-        )?;
-        Quantity::PrincipalDistanceMm.check(parameters.principal_distance_mm)?;
-        Quantity::ExitPupilMm.check(parameters.exit_pupil_mm)?;
-        let pp = parameters.principal_point;
-        let (half_width, half_height) = (sensor.half_width_mm(), sensor.half_height_mm());
-        Quantity::PrincipalPointX.check_within(pp.x_mm, -half_width, half_width)?;
-        Quantity::PrincipalPointY.check_within(pp.y_mm, -half_height, half_height)?;
-        Quantity::StrokeMm.check(parameters.stroke_mm)?;
-        parameters.flatness.checked(0.5 * parameters.stroke_mm)?;
-        parameters.distortion.checked()?;
-        parameters
-            .fitted
-            .map(FiveCoefficients::checked)
-            .transpose()?;
-
-        let mut calibration = Self {
-            parameters,
-            sensor,
-            radius_mm: 0.0,
-            least_scale: 1.0,
-        };
-        calibration.radius_mm = calibration.region().radius_mm();
-        calibration.least_scale =
-            calibration
-                .least_scale_with(0.0)
+        let sensor = parameters.sensor()?;
+        let region = parameters.region(&sensor);
+        let least_scale =
+            parameters
+                .least_scale(region, 0.0)
                 .map_err(|folding| CalibrationError::Folds {
                     polynomial: folding.polynomial,
                     scale: folding.scale,
                     at: folding.at,
                 })?;
-        Ok(calibration)
+        Ok(Self {
+            parameters,
+            sensor,
+            radius_mm: region.radius_mm(),
+            least_scale,
+        })
     }
 
     /// Returns the lower bound of the scale if a grid adds `added_slope` to the polynomials.
@@ -189,21 +230,7 @@ impl Calibration {
     /// # Errors
     /// [`Folding`] with the polynomial that folds the image with it.
     pub(super) fn least_scale_with(&self, added_slope: f32) -> Result<f32, Folding> {
-        let parameters = &self.parameters;
-        let lens = parameters.distortion.evaluation_form();
-        let region = self.region();
-        let moving = exposure_slope(&parameters.distortion, region, parameters.stroke_mm);
-        let of_lens = least_scale(&lens, region, moving + added_slope)
-            .map_err(|folds| self.folds(Polynomial::Static, folds))?;
-        let Some(fitted) = parameters.fitted else {
-            return Ok(of_lens);
-        };
-        let still = fitted.folded(lens, 0.0, parameters.axis);
-        let moving =
-            2.0 * (fitted.kd1.abs() + fitted.pm1.abs()) * parameters.stroke_mm * self.radius_mm;
-        let of_fitted = least_scale(&still, region, moving + added_slope)
-            .map_err(|folds| self.folds(Polynomial::Fitted, folds))?;
-        Ok(of_lens.min(of_fitted))
+        self.parameters.least_scale(self.region(), added_slope)
     }
 
     /// The parameters as they were given.
@@ -233,29 +260,7 @@ impl Calibration {
     /// as seen from the principal point.
     #[must_use]
     pub(crate) fn region(&self) -> Region {
-        let reach = |half: f32, pp: f32, along: bool| {
-            let travel = if along {
-                0.5 * self.parameters.stroke_mm
-            } else {
-                0.0
-            };
-            (half + pp.abs() + travel) / (1.0 - MAX_FOCUS_FRACTION)
-        };
-        let pp = self.parameters.principal_point;
-        let along_x = self.parameters.axis.is_x();
-        Region {
-            reach_x: reach(self.sensor.half_width_mm(), pp.x_mm, along_x),
-            reach_y: reach(self.sensor.half_height_mm(), pp.y_mm, !along_x),
-        }
-    }
-
-    fn folds(&self, polynomial: Polynomial, folds: Folds) -> Folding {
-        let pp = self.parameters.principal_point;
-        Folding {
-            polynomial,
-            scale: folds.scale,
-            at: SensorPoint::new(pp.x_mm + folds.x, pp.y_mm + folds.y),
-        }
+        self.parameters.region(&self.sensor)
     }
 }
 

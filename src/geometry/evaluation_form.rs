@@ -1,5 +1,7 @@
 //! The evaluation form: the polynomial into which every model is folded once per frame.
 
+use super::interval::greater;
+
 /// A displacement in the sensor frame, mm: distortion is *measured - ideal*.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -107,7 +109,7 @@ impl EvaluationForm {
     #[must_use]
     pub(crate) fn dropped_by_short(&self, reach_x: f32, reach_y: f32) -> f32 {
         let along_x = self.b1.abs() * reach_x + self.b2.abs() * reach_y + self.tx.abs();
-        along_x.max(self.ty.abs())
+        greater(along_x, self.ty.abs())
     }
 
     /// Returns the largest change of [`Self::jacobian`] per mm, in any direction, within `radius`

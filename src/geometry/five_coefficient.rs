@@ -2,7 +2,7 @@
 
 use super::evaluation_form::EvaluationForm;
 use super::principal_point::PrincipalPointMotion;
-use super::range::{OutOfRange, Quantity};
+use super::range::{OutOfRange, Quantity, check_finite};
 use super::sensor::FmcAxis;
 
 /// Regressor of `K_d1` and `P_m1`: the motion by which they are multiplied.
@@ -41,21 +41,26 @@ pub struct FiveCoefficients {
 }
 
 impl FiveCoefficients {
-    /// Returns the coefficients if all of them are finite numbers.
+    /// Quantities of [`Self::coefficients`].
+    const QUANTITIES: [Quantity; 5] = [
+        Quantity::Km0,
+        Quantity::Km1,
+        Quantity::Km2,
+        Quantity::Kd1,
+        Quantity::Pm1,
+    ];
+
+    /// The coefficients, in the order of the fields.
+    pub(crate) const fn coefficients(&self) -> [f32; 5] {
+        [self.km0, self.km1, self.km2, self.kd1, self.pm1]
+    }
+
+    /// Checks that all coefficients are finite numbers.
     ///
     /// # Errors
     /// [`OutOfRange`], which names the first that is not.
-    pub fn checked(self) -> Result<Self, OutOfRange> {
-        for (quantity, value) in [
-            (Quantity::Km0, self.km0),
-            (Quantity::Km1, self.km1),
-            (Quantity::Km2, self.km2),
-            (Quantity::Kd1, self.kd1),
-            (Quantity::Pm1, self.pm1),
-        ] {
-            quantity.check_finite(value)?;
-        }
-        Ok(self)
+    pub fn check(&self) -> Result<(), OutOfRange> {
+        check_finite(&Self::QUANTITIES, &self.coefficients())
     }
 
     /// Returns the regressor of `K_d1` and `P_m1` in a frame of this motion, mm.

@@ -185,8 +185,8 @@ impl FrameCorrection {
     pub(super) fn clamped(&self, point: SensorPoint) -> SensorPoint {
         let (half_width, half_height) = (self.sensor.half_width_mm(), self.sensor.half_height_mm());
         SensorPoint::new(
-            point.x_mm.max(-half_width).min(half_width),
-            point.y_mm.max(-half_height).min(half_height),
+            within(point.x_mm, half_width),
+            within(point.y_mm, half_height),
         )
     }
 
@@ -267,6 +267,15 @@ impl FrameCorrection {
     pub fn jacobian(&self, point: SensorPoint) -> Jacobian {
         self.form
             .jacobian(point.x_mm - self.centre.x_mm, point.y_mm - self.centre.y_mm)
+    }
+}
+
+/// Returns the number nearest to `value` that is at most `most` from zero; a NaN stays one.
+fn within(value: f32, most: f32) -> f32 {
+    if value.abs() > most {
+        most.copysign(value)
+    } else {
+        value
     }
 }
 

@@ -3,6 +3,10 @@
 /// Bits behind the last place of the longer side's square.
 const GUARD_BITS: u32 = 14;
 
+/// Bits of the upper half of the sum, which is rounded: at least 29 of them are significant, and the
+/// lowest one stands for all below it.
+const UPPER_BITS: u32 = 32;
+
 /// Difference of the exponents from which the shorter side does not matter.
 const NEGLIGIBLE: u32 = 25;
 
@@ -11,7 +15,7 @@ const NEGLIGIBLE: u32 = 25;
 /// # Model
 /// That of `libm::hypotf`: the sum of the squares is rounded once, and so is its root. `libm` adds
 /// them in double precision, which a Cortex-M4F has to emulate by 3 kB of code; here the squares of
-/// the significands are added in 63 bits.
+/// the significands are added in 63 bits, of which the upper half is rounded.
 ///
 /// # Accuracy
 /// Within a unit in the last place. The bits are those of `libm`, which rounds the sum to double
@@ -36,26 +40,29 @@ pub(super) fn hypotenuse(x: f32, y: f32) -> f32 {
     if !longer.is_normal() || difference >= NEGLIGIBLE {
         return longer;
     }
-    let square = (short * short) << GUARD_BITS;
+    let square = |side: u32| (u64::from(side) * u64::from(side)) << GUARD_BITS;
+    let (long, short) = (square(long), square(short));
     let shift = 2 * difference;
-    let shifted = square >> shift;
-    let is_cut = shifted << shift != square;
-    let sum = (((long * long) << GUARD_BITS) + shifted) | u64::from(is_cut);
+    let shifted = short >> shift;
+    let sum = long + shifted;
+    let is_cut = short.trailing_zeros() < shift || sum.trailing_zeros() < UPPER_BITS;
+    let upper = (sum >> UPPER_BITS) as u32 | u32::from(is_cut);
     #[expect(clippy::cast_precision_loss, reason = "it is rounded as documented")]
-    let root = fmc_camera_kernel::sqrt(sum as f32);
+    let root = fmc_camera_kernel::sqrt(upper as f32);
     // The root of the sum has 31 or 32 bits in front of its point, 7 of them behind the longer
-    // side's last place, which is that of 2⁻¹⁵⁰ at the exponent 0.
-    let bits = root.to_bits() + (exponent << 23) - ((150 + GUARD_BITS / 2) << 23);
+    // side's last place, which is that of 2⁻¹⁵⁰ at the exponent 0; that of its upper half has 16
+    // fewer.
+    let bits = root.to_bits() + (exponent << 23) - ((150 + GUARD_BITS / 2 - UPPER_BITS / 2) << 23);
     f32::from_bits(bits.min(f32::INFINITY.to_bits()))
 }
 
 /// Returns the significand of a positive number, and its exponent.
-fn parts(number: f32) -> (u64, u32) {
+fn parts(number: f32) -> (u32, u32) {
     let bits = number.to_bits();
     let fraction = bits & ((1 << 23) - 1);
     match bits >> 23 {
-        0 => (u64::from(fraction), 1),
-        exponent => (u64::from(fraction | 1 << 23), exponent),
+        0 => (fraction, 1),
+        exponent => (fraction | 1 << 23, exponent),
     }
 }
 

@@ -16,6 +16,7 @@ impl Interval {
     }
 
     /// Returns piece `index` of `pieces` equal ones.
+    #[inline(never)]
     pub(super) fn piece(self, index: u8, pieces: u8) -> Self {
         let step = (self.hi - self.lo) / f32::from(pieces);
         Self {
@@ -28,8 +29,9 @@ impl Interval {
         0.5 * (self.lo + self.hi)
     }
 
+    /// Returns true for two numbers whose difference is one.
     pub(super) fn is_finite(self) -> bool {
-        self.lo.is_finite() && self.hi.is_finite()
+        (self.hi - self.lo).is_finite()
     }
 
     /// Returns the interval of two ends in any order. One comparison finds both; a NaN is one of
@@ -47,6 +49,7 @@ impl Interval {
         Self::between(self.lo.abs(), self.hi.abs()).hi
     }
 
+    #[inline(never)]
     pub(super) fn scaled(self, factor: f32) -> Self {
         Self::between(self.lo * factor, self.hi * factor)
     }
@@ -58,6 +61,7 @@ impl Interval {
         }
     }
 
+    #[inline(never)]
     pub(super) fn squared(self) -> Self {
         let Self { lo, hi: largest } = Self::between(self.lo.abs(), self.hi.abs());
         let smallest = if self.lo > 0.0 || self.hi < 0.0 {
@@ -99,28 +103,31 @@ impl core::ops::Mul for Interval {
 /// coefficients: the values of the cubic's blossom at the interval's ends.
 pub(super) fn cubic_range(coefficients: [f32; 4], over: Interval) -> Interval {
     let [c0, c1, c2, c3] = coefficients;
-    let blossom = |u: f32, v: f32, w: f32| {
-        c0 + c1 * (u + v + w) / 3.0 + c2 * (u * v + v * w + w * u) / 3.0 + c3 * u * v * w
-    };
     let Interval { lo, hi } = over;
-    let values = [
-        blossom(lo, lo, lo),
-        blossom(lo, lo, hi),
-        blossom(lo, hi, hi),
-        blossom(hi, hi, hi),
-    ];
-    Interval {
-        lo: values.into_iter().fold(f32::INFINITY, lesser),
-        hi: -values
-            .into_iter()
-            .map(|value| -value)
-            .fold(f32::INFINITY, lesser),
+    let mut range = Interval {
+        lo: f32::INFINITY,
+        hi: f32::NEG_INFINITY,
+    };
+    // From (lo, lo, lo) to (hi, hi, hi).
+    let [mut u, mut v, mut w] = [lo; 3];
+    for _ in 0..4 {
+        let value =
+            c0 + c1 * (u + v + w) / 3.0 + c2 * (u * v + v * w + w * u) / 3.0 + c3 * u * v * w;
+        range.lo = lesser(range.lo, value);
+        range.hi = greater(range.hi, value);
+        (u, v, w) = (v, w, hi);
     }
+    range
 }
 
 /// Returns the lesser of two numbers, or a NaN if one of them is.
-pub(super) fn lesser(a: f32, b: f32) -> f32 {
+pub(crate) fn lesser(a: f32, b: f32) -> f32 {
     if a.is_nan() || a < b { a } else { b }
+}
+
+/// Returns the greater of two numbers, or a NaN if one of them is.
+pub(super) fn greater(a: f32, b: f32) -> f32 {
+    if a.is_nan() || a > b { a } else { b }
 }
 
 #[cfg(test)]

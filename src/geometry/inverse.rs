@@ -2,7 +2,8 @@
 
 use core::fmt;
 
-use fmc_camera_kernel::inverse;
+use fmc_camera_kernel::Coefficients;
+use fmc_camera_kernel::inverse::{self, LastStep};
 
 use super::evaluation_form::Displacement;
 use super::exposure_distortion::ExposureDistortion;
@@ -210,29 +211,21 @@ impl FrameCorrection {
     /// # Ok::<(), Box<dyn core::error::Error>>(())
     /// ```
     pub fn distort_slice(&self, points: &mut [SensorPoint]) -> Result<(), DistortSliceError> {
-        match self.terms() {
-            Terms::Short => self.distort_in_blocks::<false>(points),
-            Terms::Full => self.distort_in_blocks::<true>(points),
-        }
-    }
-
-    /// Replaces points by their measured ones: blocks side by side where the first step ends all of
-    /// their points, and others point by point.
-    fn distort_in_blocks<const FULL: bool>(
-        &self,
-        points: &mut [SensorPoint],
-    ) -> Result<(), DistortSliceError> {
         let (form, last_step) = (self.coefficients(), self.last_step());
         let mut rest = points;
         let mut index = 0;
         while !rest.is_empty() {
             let pairs = bytemuck::must_cast_slice_mut(rest);
-            let replaced = inverse::blocks::<FULL>(&form, &last_step, pairs);
+            // Blocks side by side where the first step ends all of their points.
+            let replaced = match self.terms() {
+                Terms::Short => inverse::blocks::<false>(&form, &last_step, pairs),
+                Terms::Full => inverse::blocks::<true>(&form, &last_step, pairs),
+            };
             let behind = rest.get_mut(replaced..).unwrap_or_default();
             let length = inverse::block_length(behind.len());
             let (block, behind) = behind.split_at_mut_checked(length).unwrap_or_default();
             index += replaced;
-            self.distort_one_by_one::<FULL>(block, index)?;
+            self.distort_one_by_one((&form, &last_step), block, index)?;
             index += length;
             rest = behind;
         }
@@ -240,16 +233,19 @@ impl FrameCorrection {
     }
 
     /// Replaces points, of which the first has this index in the slice.
-    fn distort_one_by_one<const FULL: bool>(
+    fn distort_one_by_one(
         &self,
+        (form, last_step): (&Coefficients, &LastStep),
         points: &mut [SensorPoint],
         mut index: usize,
     ) -> Result<(), DistortSliceError> {
-        let (form, last_step) = (self.coefficients(), self.last_step());
         let mut rest = points;
         loop {
             let pairs = bytemuck::must_cast_slice_mut(rest);
-            let replaced = inverse::pairs::<FULL>(&form, &last_step, pairs);
+            let replaced = match self.terms() {
+                Terms::Short => inverse::pairs::<false>(form, last_step, pairs),
+                Terms::Full => inverse::pairs::<true>(form, last_step, pairs),
+            };
             index += replaced;
             let left = rest.get_mut(replaced..).and_then(<[_]>::split_first_mut);
             let Some((point, behind)) = left else {

@@ -2,7 +2,7 @@
 
 use super::evaluation_form::EvaluationForm;
 use super::hypotenuse::hypotenuse;
-use super::interval::{Interval, cubic_range, lesser};
+use super::interval::{Interval, cubic_range, greater, lesser};
 
 /// Smallest scale `∂(ideal)/∂(measured)` that a calibration may have anywhere. Below it the image
 /// is about to fold over, and the inverse loses a decimal digit.
@@ -155,8 +155,8 @@ fn disc_slopes(form: &EvaluationForm, lengths: &Lengths, radius: f32) -> (f32, f
         let squares = all.piece(index, PIECES);
         for cubic in [radial, along_radius] {
             let range = cubic_range(cubic, squares);
-            highest = -lesser(-highest, -range.hi);
-            largest = -lesser(-largest, -range.largest());
+            highest = greater(highest, range.hi);
+            largest = greater(largest, range.largest());
         }
     }
     let decentring = 2.0 * lengths.decentring * radius;
@@ -177,17 +177,16 @@ fn largest_displacement(form: &EvaluationForm, lengths: &Lengths, radius: f32) -
     radius * (gain + lengths.decentring * radius + lengths.affinity)
 }
 
-/// Terms in which the derivatives of one component of the distortion differ from the other's.
-#[derive(Clone, Copy)]
-struct Component {
+/// Ranges of the terms that the derivatives of both components have in common.
+struct Common {
     gain: Interval,
     twice_slope: Interval,
     /// X·Y times twice the slope.
     mixed: Interval,
-    /// Range of its own coordinate.
-    along: Interval,
-    /// Range of the other coordinate.
-    across: Interval,
+}
+
+/// Coefficients in which the derivatives of one component of the distortion differ from the other's.
+struct Component {
     h: f32,
     other_h: f32,
     g: f32,
@@ -196,15 +195,19 @@ struct Component {
 
 /// Returns the ranges of a component's derivatives by its own coordinate and by the other.
 #[inline(never)]
-fn derivatives(of: Component) -> [Interval; 2] {
+fn derivatives(
+    common: &Common,
+    of: &Component,
+    along: Interval,
+    across: Interval,
+) -> [Interval; 2] {
     let [b_along, b_across] = of.b;
-    let Component { along, across, .. } = of;
     [
-        of.gain
-            + along.squared() * of.twice_slope
+        common.gain
+            + along.squared() * common.twice_slope
             + along.scaled(2.0 * (of.h + of.g))
             + across.scaled(of.other_h).shifted(b_along),
-        of.mixed + along.scaled(of.other_h) + across.scaled(2.0 * of.g).shifted(b_across),
+        common.mixed + along.scaled(of.other_h) + across.scaled(2.0 * of.g).shifted(b_across),
     ]
 }
 
@@ -217,44 +220,38 @@ fn box_scale(form: &EvaluationForm, x: Interval, y: Interval, added_slope: f32) 
     if !(gain.is_finite() && twice_slope.is_finite()) {
         return f32::NAN;
     }
-    let mixed = x * y * twice_slope;
-    let [dx_by_x, dx_by_y] = derivatives(Component {
+    let common = Common {
         gain,
         twice_slope,
-        mixed,
-        along: x,
-        across: y,
+        mixed: x * y * twice_slope,
+    };
+    let of_x = Component {
         h: form.hx,
         other_h: form.hy,
         g: form.gx,
         b: [form.b1, form.b2],
-    });
-    let [dy_by_y, dy_by_x] = derivatives(Component {
-        gain,
-        twice_slope,
-        mixed,
-        along: y,
-        across: x,
+    };
+    let of_y = Component {
         h: form.hy,
         other_h: form.hx,
         g: form.gy,
         b: [0.0; 2],
-    });
+    };
+    let [dx_by_x, dx_by_y] = derivatives(&common, &of_x, x, y);
+    let [dy_by_y, dy_by_x] = derivatives(&common, &of_y, y, x);
     let scale_x = 1.0 - dx_by_x.hi - added_slope;
     let scale_y = 1.0 - dy_by_y.hi - added_slope;
     let mixing = (dx_by_y.largest() + added_slope) * (dy_by_x.largest() + added_slope);
     // No direction is stretched more than this, by Gershgorin's theorem.
-    let widest = (1.0 - dx_by_x.lo).max(1.0 - dy_by_y.lo)
-        + dx_by_y.largest().max(dy_by_x.largest())
+    let widest = greater(1.0 - dx_by_x.lo, 1.0 - dy_by_y.lo)
+        + greater(dx_by_y.largest(), dy_by_x.largest())
         + 2.0 * added_slope;
     let determinant = scale_x * scale_y - mixing;
-    if scale_x.is_nan() || scale_y.is_nan() || determinant.is_nan() {
-        return f32::NAN;
+    let scale = lesser(scale_x, scale_y);
+    if scale <= 0.0 {
+        return scale;
     }
-    if scale_x <= 0.0 || scale_y <= 0.0 {
-        return scale_x.min(scale_y);
-    }
-    scale_x.min(scale_y).min(determinant / widest)
+    lesser(scale, determinant / widest)
 }
 
 #[cfg(test)]

@@ -1,26 +1,32 @@
 //! Bounds of the residual grid of a lens, by which a frame states what it leaves out.
 
-use super::grid::{GridBounds, ResidualGrid};
+use super::grid::ResidualGrid;
 use super::hypotenuse::hypotenuse;
 use super::principal_point::PrincipalPointMotion;
-use super::sensor::{FmcAxis, Sensor, SensorPoint};
+use super::sensor::{FmcAxis, Sensor};
 
 /// Bounds of the residual grid of a lens whose principal point moves.
 ///
 /// They borrow no coefficients, so that the camera in flight keeps them for its records.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LensGridBounds {
-    bounds: GridBounds,
-    cells: [SensorPoint; 2],
+    slope: f32,
+    /// Largest curvature along the axis, mm⁻¹.
+    curvature: f32,
+    /// Farthest |x| and |y| up to which there are cells on both sides, mm.
+    covered_mm: [f32; 2],
     axis: FmcAxis,
 }
 
 impl LensGridBounds {
     /// Returns the bounds of a grid that moves along an axis.
     pub(super) fn new(grid: &ResidualGrid<'_>, axis: FmcAxis) -> Self {
+        let bounds = grid.bounds();
+        let [from, to] = grid.cells();
         Self {
-            bounds: *grid.bounds(),
-            cells: grid.cells(),
+            slope: bounds.slope(),
+            curvature: bounds.curvature(axis.is_x()),
+            covered_mm: [to.x_mm.min(-from.x_mm), to.y_mm.min(-from.y_mm)],
             axis,
         }
     }
@@ -48,18 +54,20 @@ impl LensGridBounds {
             [half_width, half_height + moved_mm]
         }
         .map(|reach| reach / (1.0 + enlargement));
-        let second = motion.moments.second;
-        self.bounds.second_moment_mm(second, along_x)
-            + self.bounds.slope() * self.beyond_cells_mm(reach)
+        let second = 0.5 * motion.moments.second * self.curvature;
+        second + self.slope * self.beyond_cells_mm(reach)
     }
 
     /// Returns the way by which a rectangle about the centre reaches beyond the cells, mm.
     fn beyond_cells_mm(&self, [reach_x, reach_y]: [f32; 2]) -> f32 {
-        let [from, to] = self.cells;
-        let beyond = |reach: f32, from: f32, to: f32| (reach - to).max(reach + from).max(0.0);
-        hypotenuse(
-            beyond(reach_x, from.x_mm, to.x_mm),
-            beyond(reach_y, from.y_mm, to.y_mm),
-        )
+        let [x, y] = self.covered_mm;
+        let beyond = |reach: f32, covered: f32| {
+            if reach > covered {
+                reach - covered
+            } else {
+                0.0
+            }
+        };
+        hypotenuse(beyond(reach_x, x), beyond(reach_y, y))
     }
 }

@@ -16,7 +16,7 @@ pub mod gridded_correction;
 mod gridded_inverse;
 mod hypotenuse;
 pub mod image_motion;
-mod interval;
+pub(crate) mod interval;
 pub mod inverse;
 pub mod invertibility;
 pub mod left_out_terms;

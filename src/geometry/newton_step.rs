@@ -3,6 +3,7 @@
 
 use super::calibration::Calibration;
 use super::evaluation_form::{Displacement, EvaluationForm, Jacobian};
+use super::interval::lesser;
 use super::sensor::SensorPoint;
 use fmc_camera_kernel::Terms;
 
@@ -33,9 +34,12 @@ pub(super) fn longest_last_step2(
         half_height + centre.y_mm.abs(),
     );
     let curvature = form.largest_curvature(radius);
-    let longest = MAX_LAST_STEP_FRACTION * half_width.min(half_height);
-    (1e-6 * LEFT_BY_ONE_STEP_NM * calibration.least_scale().min(1.0) / curvature)
-        .min(longest * longest)
+    let longest = MAX_LAST_STEP_FRACTION * lesser(half_width, half_height);
+    let scale = lesser(calibration.least_scale(), 1.0);
+    lesser(
+        1e-6 * LEFT_BY_ONE_STEP_NM * scale / curvature,
+        longest * longest,
+    )
 }
 
 /// Returns at least the diagonal of a rectangle, and at most a twelfth more, without a root.

@@ -150,17 +150,17 @@ impl Flatness {
         coefficients_um: [0.0; FLATNESS_TERMS],
     };
 
-    /// Returns the polynomial if its terms are in range at `reach_mm` from the calibrated position.
+    /// Checks that the terms are in range at `reach_mm` from the calibrated position.
     ///
     /// # Errors
     /// [`OutOfRange`] for a coefficient that is not a number or a term above 1000 µm.
-    pub fn checked(self, reach_mm: f32) -> Result<Self, OutOfRange> {
+    pub fn check(&self, reach_mm: f32) -> Result<(), OutOfRange> {
         let mut power = 1.0;
         for coefficient in self.coefficients_um {
             Quantity::FlatnessUm.check(coefficient * power)?;
             power *= reach_mm;
         }
-        Ok(self)
+        Ok(())
     }
 
     /// Returns the exposure mean of Δz, mm.

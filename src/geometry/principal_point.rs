@@ -86,7 +86,8 @@ impl PrincipalPointMotion {
         }
     }
 
-    /// Returns the motion for a TDI sensor, whose charge follows the image in rows of `pixel_mm`.
+    /// Returns the motion of the charge of a TDI sensor, which follows this one of the image in rows
+    /// of `pixel_mm`.
     ///
     /// # Model
     /// `c̄ = Δδ ± p·M` with M of [`mean_transfers`] and the sign of v; the moments are those of the
@@ -94,18 +95,17 @@ impl PrincipalPointMotion {
     ///
     /// # Errors
     /// As [`mean_transfers`].
-    pub(crate) fn from_tdi(
-        travel: UniformTravel,
+    pub(crate) fn in_rows(
+        self,
         pixel_mm: f32,
         first_transfer: f32,
         shutter: &Shutter,
     ) -> Result<Self, OutOfRange> {
-        let smooth = Self::from_plan(travel, shutter);
-        let rows = mean_transfers(smooth.travel_mm.abs() / pixel_mm, first_transfer, shutter)?;
-        let row_mm = pixel_mm.copysign(smooth.travel_mm);
+        let rows = mean_transfers(self.travel_mm.abs() / pixel_mm, first_transfer, shutter)?;
+        let row_mm = pixel_mm.copysign(self.travel_mm);
         Ok(Self {
-            centroid_mm: travel.opening_offset_mm + row_mm * rows,
-            ..smooth
+            centroid_mm: self.opening_offset_mm + row_mm * rows,
+            ..self
         })
     }
 

@@ -166,14 +166,6 @@ impl Quantity {
         self.check_within(value, min, max)
     }
 
-    /// Returns `value` if it is finite, for quantities without a range.
-    ///
-    /// # Errors
-    /// As [`Self::check`].
-    pub(crate) const fn check_finite(self, value: f32) -> Result<f32, OutOfRange> {
-        self.check_within(value, f32::MIN, f32::MAX)
-    }
-
     /// Returns `value` if it is a number in `[min, max]`, for ranges that follow from other
     /// quantities.
     ///
@@ -236,6 +228,18 @@ impl fmt::Display for OutOfRange {
 }
 
 impl core::error::Error for OutOfRange {}
+
+/// Checks that the values of quantities are finite numbers.
+///
+/// # Errors
+/// [`OutOfRange`] for the first that is not.
+#[inline(never)]
+pub(crate) fn check_finite(quantities: &[Quantity], values: &[f32]) -> Result<(), OutOfRange> {
+    for (quantity, value) in quantities.iter().zip(values) {
+        quantity.check_within(*value, f32::MIN, f32::MAX)?;
+    }
+    Ok(())
+}
 
 #[cfg(test)]
 mod tests {

@@ -106,11 +106,16 @@ impl Sensor {
     pub fn new(width_px: u32, height_px: u32, pixel_um: f32) -> Result<Self, OutOfRange> {
         Quantity::PixelUm.check(pixel_um)?;
         let pixel_mm = pixel_um / 1000.0;
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "whole pixels, up to a million"
+        )]
+        let longest_px = pixels(((MAX_SIDE_MM / pixel_mm) as u32).min(MAX_SIDE_PX));
         for (quantity, side_px) in [
             (Quantity::WidthPx, width_px),
             (Quantity::HeightPx, height_px),
         ] {
-            let longest_px = libm::floorf(MAX_SIDE_MM / pixel_mm).min(pixels(MAX_SIDE_PX));
             quantity.check_within(pixels(side_px), 1.0, longest_px)?;
         }
         let half_mm = |side_px: u32| pixels(side_px) * pixel_um / 2000.0;

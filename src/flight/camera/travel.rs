@@ -67,8 +67,8 @@ impl Camera {
             Mechanism::Stage { .. } => smooth,
             Mechanism::Tdi { first_transfer } => {
                 let pixel_mm = self.calibration.sensor().pixel_mm();
-                PrincipalPointMotion::from_tdi(travel, pixel_mm, first_transfer, &self.shutter)
-                    .unwrap_or(smooth)
+                let in_rows = smooth.in_rows(pixel_mm, first_transfer, &self.shutter);
+                in_rows.unwrap_or(smooth)
             }
         }
     }

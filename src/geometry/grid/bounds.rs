@@ -68,8 +68,13 @@ impl GridBounds {
     /// `½·μ₂·max|second difference|/pitch²`, CALIBRATIONS section 9.
     #[must_use]
     pub fn second_moment_mm(&self, variance_mm2: f32, along_x: bool) -> f32 {
+        0.5 * variance_mm2 * self.curvature(along_x)
+    }
+
+    /// Largest magnitude of a component of ∂²G/∂x² or of ∂²G/∂y², mm⁻¹.
+    pub(crate) const fn curvature(&self, along_x: bool) -> f32 {
         let [x, y] = self.curvatures;
-        0.5 * variance_mm2 * if along_x { x } else { y }
+        if along_x { x } else { y }
     }
 }
 

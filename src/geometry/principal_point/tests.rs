@@ -70,8 +70,9 @@ fn tdi_lags_by_half_a_pixel_after_a_full_row_period() {
         speed_mm_s: 12.0,
         exposure_s: 0.01,
     };
-    let late = PrincipalPointMotion::from_tdi(travel, 0.012, 1.0, &shutter).unwrap();
-    let even = PrincipalPointMotion::from_tdi(travel, 0.012, 0.5, &shutter).unwrap();
+    let smooth = PrincipalPointMotion::from_plan(travel, &shutter);
+    let late = smooth.in_rows(0.012, 1.0, &shutter).unwrap();
+    let even = smooth.in_rows(0.012, 0.5, &shutter).unwrap();
     assert!((late.centroid_mm - (0.06 - 0.006)).abs() < 1e-6);
     assert!((even.centroid_mm - 0.06).abs() < 1e-6);
     assert_eq!(late.moments, even.moments);

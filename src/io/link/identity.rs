@@ -4,7 +4,6 @@ use crc::{CRC_32_ISO_HDLC, Crc, Digest, Table};
 
 use crate::flight::camera::{CameraParameters, Mechanism};
 use crate::flight::exposure::Limits;
-use crate::geometry::brown::Brown;
 use crate::geometry::calibration::CalibrationParameters;
 use crate::geometry::five_coefficient::FiveCoefficients;
 use crate::geometry::grid::GridChecksums;
@@ -86,17 +85,8 @@ impl Identity {
         self.numbers(&[principal_distance_mm, exit_pupil_mm, x_mm, y_mm]);
         self.whole(width_px);
         self.whole(height_px);
-        let Brown {
-            k0,
-            k1,
-            k2,
-            k3,
-            p1,
-            p2,
-            b1,
-            b2,
-        } = distortion;
-        self.numbers(&[pixel_um, k0, k1, k2, k3, p1, p2, b1, b2]);
+        self.number(pixel_um);
+        self.numbers(distortion.coefficients());
         self.byte(u8::from(fitted.is_some()));
         if let Some(fitted) = fitted {
             let FiveCoefficients {

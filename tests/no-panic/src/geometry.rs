@@ -36,7 +36,7 @@ use fmc_camera::geometry::{
 #[allow(clippy::too_many_lines, reason = "a list")]
 pub(crate) fn keep() {
     keep![
-        Brown::checked,
+        Brown::check,
         Brown::displacement,
         Brown::jacobian,
         Brown::evaluation_form,
@@ -48,7 +48,7 @@ pub(crate) fn keep() {
         EvaluationForm::displacement,
         EvaluationForm::short_displacement,
         EvaluationForm::jacobian,
-        FiveCoefficients::checked,
+        FiveCoefficients::check,
         FiveCoefficients::folded,
         FiveCoefficients::regressor_mm,
         Adjustment::<f32>::new,
@@ -173,7 +173,7 @@ pub(crate) fn keep() {
         FocusShift::enlargement,
         FocusShift::distortion_at_fixed_distance,
         FocusShift::distortion_at_changed_distance,
-        Flatness::checked,
+        Flatness::check,
         PrincipalPointMotion::from_plan,
         PrincipalPointMotion::from_samples,
         Quantity::name,
