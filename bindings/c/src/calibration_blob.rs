@@ -4,11 +4,12 @@ use fmc::flight::camera::CameraParameters;
 use fmc::io::link::loading::Upload;
 use fmc::io::link::{CALIBRATION_CAPACITY, MAX_PART};
 
-use crate::camera::{fmc_camera, made, stamp};
+use crate::camera::{self, fmc_camera};
 use crate::camera_record::fmc_camera_record;
-use crate::code::fmc_code;
-use crate::error::{Failure, fmc_error, fmc_status};
+use crate::code::{self, fmc_code};
+use crate::error::{fmc_error, fmc_status};
 use crate::memory::{self, Extent};
+use crate::refusal::{Failure, Refusal};
 use crate::{FMC_ERROR_BYTES, FMC_ERROR_CRC, FMC_ERROR_GRIDS};
 
 /// Most bytes of a calibration.
@@ -37,10 +38,8 @@ pub unsafe extern "C" fn fmc_camera_init_from_blob(
         // SAFETY: the caller's promise.
         let bytes = unsafe { memory::elements(bytes, count, 2) }?;
         let parameters = read(bytes, crc32)?;
-        let made = made(parameters, storage)?;
-        // SAFETY: the caller's promise.
-        unsafe { memory::put(camera, stamp(&made), made) };
-        Ok(())
+        // SAFETY: the caller's promise; `room` has accepted the storage.
+        unsafe { camera::put(camera, &parameters, code::storage(storage)?) }
     };
     // SAFETY: the caller's promise.
     unsafe { memory::status(initialised(), error) }
@@ -92,8 +91,8 @@ pub unsafe extern "C" fn fmc_camera_record_to_blob(
 }
 
 /// Returns the parameters that bytes make, if they have this CRC-32.
-fn read(bytes: &[u8], crc32: u32) -> Result<CameraParameters, fmc_error> {
-    let refused = || fmc_error::from(Failure::of_argument(FMC_ERROR_BYTES, 2));
+fn read(bytes: &[u8], crc32: u32) -> Result<CameraParameters, Refusal> {
+    let refused = || Refusal::from(Failure::of_argument(FMC_ERROR_BYTES, 2));
     if bytes.len() > FMC_BLOB_CAPACITY {
         return Err(refused());
     }

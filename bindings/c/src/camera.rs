@@ -2,14 +2,15 @@
 
 use core::ffi::c_char;
 
-use fmc::flight::calibration_id::CalibrationId;
+use fmc::flight::calibration_id::{self, CalibrationId};
 use fmc::flight::camera::{Camera, CameraParameters};
 use fmc::io::link::digest;
 
 use crate::camera_record::fmc_camera_record;
 use crate::code;
-use crate::error::{Failure, fmc_error, fmc_status};
+use crate::error::{fmc_error, fmc_status};
 use crate::memory::{self, Storage};
+use crate::refusal::{Failure, Refusal};
 use crate::version::checked;
 use crate::{FMC_ERROR_UNINITIALISED, FMC_SERIAL_LENGTH};
 
@@ -71,7 +72,7 @@ pub unsafe extern "C" fn fmc_camera_record_defaults(
     error: *mut fmc_error,
 ) -> fmc_status {
     let filled = || {
-        checked::<fmc_camera_record>([size, version], 2)?;
+        checked([size, version], size_of::<fmc_camera_record>(), 2)?;
         let place = memory::output(record, 1)?;
         // SAFETY: the caller's promise.
         unsafe { place.write(fmc_camera_record::DEFAULT) };
@@ -95,11 +96,9 @@ pub unsafe extern "C" fn fmc_camera_init(
         memory::room(camera, 1)?;
         // SAFETY: the caller's promise.
         let record = unsafe { memory::input(record, 2) }?;
-        let parameters = record.parameters()?;
-        let made = made(parameters, record.storage)?;
-        // SAFETY: the caller's promise.
-        unsafe { memory::put(camera, stamp(&made), made) };
-        Ok(())
+        let storage = code::storage(record.storage)?;
+        // SAFETY: the caller's promise; `room` has accepted the storage.
+        unsafe { put(camera, &record.parameters()?, storage) }
     };
     // SAFETY: the caller's promise.
     unsafe { memory::status(initialised(), error) }
@@ -131,17 +130,27 @@ pub unsafe extern "C" fn fmc_camera_id(
     unsafe { memory::status(answered(), error) }
 }
 
-/// Returns the camera of parameters, with its identity.
-pub(crate) fn made(
-    parameters: CameraParameters,
-    storage: code::fmc_code,
-) -> Result<Camera, fmc_error> {
-    let crc = digest::of_camera(&parameters);
-    Ok(Camera::identified(
-        parameters,
-        crc,
-        code::storage(storage)?,
-    )?)
+/// Puts the camera of parameters, with its identity, into storage.
+///
+/// # Errors
+/// The refusal of the parameters.
+///
+/// # Safety
+/// As of [`memory::put`].
+pub(crate) unsafe fn put(
+    camera: *mut fmc_camera,
+    parameters: &CameraParameters,
+    storage: calibration_id::Storage,
+) -> Result<(), Refusal> {
+    let crc = digest::of_camera(parameters);
+    match Camera::identified(*parameters, crc, storage) {
+        Ok(made) => {
+            // SAFETY: the caller's promise.
+            unsafe { memory::put(camera, crc, made) };
+            Ok(())
+        }
+        Err(error) => Err(error.into()),
+    }
 }
 
 /// CRC-32 of a camera's calibration, by which frames and meshes know their camera.

@@ -15,7 +15,8 @@ use fmc::geometry::sensor::SensorPoint;
 use fmc::geometry::shutter::ShutterProfile;
 
 use crate::code::{self, fmc_code, unknown};
-use crate::error::{Failure, fmc_error};
+
+use crate::refusal::{Failure, Refusal};
 use crate::version::Input;
 use crate::{
     FMC_AXIS_PLUS_Y, FMC_CAMERA_VERSION, FMC_ERROR_SERIAL, FMC_MECHANISM_STAGE_CENTRED,
@@ -179,19 +180,23 @@ impl fmc_camera_record {
     ///
     /// # Errors
     /// The refusal of a code or of the serial number.
-    pub fn parameters(&self) -> Result<CameraParameters, fmc_error> {
-        let fitted = code::bool_of(self.has_fitted)?
-            .then(|| {
-                Ok::<_, fmc_error>(FiveCoefficients {
-                    km0: self.km0,
-                    km1: self.km1,
-                    km2: self.km2,
-                    kd1: self.kd1,
-                    pm1: self.pm1,
-                    regressor: code::regressor(self.regressor)?,
-                })
+    pub fn parameters(&self) -> Result<CameraParameters, Refusal> {
+        let fitted = if code::bool_of(self.has_fitted)? {
+            Some(FiveCoefficients {
+                regressor: code::regressor(self.regressor)?,
+                km0: self.km0,
+                km1: self.km1,
+                km2: self.km2,
+                kd1: self.kd1,
+                pm1: self.pm1,
             })
-            .transpose()?;
+        } else {
+            None
+        };
+        let run_up = match self.mechanism {
+            FMC_MECHANISM_TDI => None,
+            code => Some(code::run_up(code)?),
+        };
         let exit_pupil_mm = given(self.exit_pupil_mm).unwrap_or(self.principal_distance_mm);
         Ok(CameraParameters {
             calibration: CalibrationParameters {
@@ -212,7 +217,7 @@ impl fmc_camera_record {
                     coefficients_um: self.flatness_um,
                 },
             },
-            mechanism: self.mechanism()?,
+            mechanism: self.mechanism(run_up),
             shutter: match self.shutter {
                 FMC_SHUTTER_UNIFORM => ShutterProfile::Uniform,
                 FMC_SHUTTER_TRAPEZOID => ShutterProfile::Trapezoid {
@@ -244,20 +249,20 @@ impl fmc_camera_record {
         }
     }
 
-    fn mechanism(&self) -> Result<Mechanism, fmc_error> {
-        if self.mechanism == FMC_MECHANISM_TDI {
-            return Ok(Mechanism::Tdi {
+    /// Returns the mechanism; `None` for `run_up` is a TDI sensor.
+    fn mechanism(&self, run_up: Option<RunUp>) -> Mechanism {
+        match run_up {
+            None => Mechanism::Tdi {
                 first_transfer: self.first_transfer,
-            });
+            },
+            Some(run_up) => Mechanism::Stage {
+                acceleration_mm_s2: self.acceleration_mm_s2,
+                settling_ms: self.settling_ms,
+                run_up,
+                jerk_mm_s3: given(self.jerk_mm_s3),
+                max_speed_mm_s: given(self.max_speed_mm_s),
+            },
         }
-        let run_up: RunUp = code::run_up(self.mechanism)?;
-        Ok(Mechanism::Stage {
-            acceleration_mm_s2: self.acceleration_mm_s2,
-            settling_ms: self.settling_ms,
-            run_up,
-            jerk_mm_s3: given(self.jerk_mm_s3),
-            max_speed_mm_s: given(self.max_speed_mm_s),
-        })
     }
 }
 
@@ -268,18 +273,13 @@ pub(crate) fn given(value: f32) -> Option<f32> {
 }
 
 /// Returns the serial number of characters that end at a zero or fill the field.
-pub(crate) fn serial(characters: &[c_char; FMC_SERIAL_LENGTH]) -> Result<SerialNumber, fmc_error> {
+pub(crate) fn serial(characters: &[c_char; FMC_SERIAL_LENGTH]) -> Result<SerialNumber, Refusal> {
     // On some cores a character is signed, on others it is not.
     let bytes = characters.map(|character| character.to_ne_bytes()[0]);
-    let length = bytes.iter().position(|byte| *byte == 0);
-    let text = bytes.get(..length.unwrap_or(FMC_SERIAL_LENGTH));
-    let text = text.unwrap_or_default();
-    let refused = |index: usize| {
+    let text = bytes.split(|byte| *byte == 0).next().unwrap_or_default();
+    SerialNumber::from_bytes(text).map_err(|error| {
+        let (SerialError::NotPrintable { index } | SerialError::TooLong { length: index }) = error;
         let index = u32::try_from(index).unwrap_or(u32::MAX);
-        fmc_error::from(Failure::new(FMC_ERROR_SERIAL).at(index))
-    };
-    SerialNumber::from_bytes(text).map_err(|error| match error {
-        SerialError::NotPrintable { index } => refused(index),
-        SerialError::TooLong { length } => refused(length),
+        Failure::new(FMC_ERROR_SERIAL).at(index).into()
     })
 }

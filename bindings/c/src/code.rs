@@ -9,7 +9,7 @@ use fmc::geometry::principal_distance::FocusSign;
 use fmc::geometry::sensor::FmcAxis;
 
 use crate::FMC_ERROR_CODE;
-use crate::error::{Failure, fmc_error};
+use crate::refusal::{Failure, Refusal};
 
 /// A choice between named values; what each means stands at its code.
 pub type fmc_code = i32;
@@ -66,7 +66,7 @@ pub const FMC_STORED: fmc_code = 1;
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Unknown(pub(crate) fmc_code);
 
-impl From<Unknown> for fmc_error {
+impl From<Unknown> for Refusal {
     #[cold]
     #[inline(never)]
     fn from(Unknown(code): Unknown) -> Self {
@@ -77,7 +77,7 @@ impl From<Unknown> for fmc_error {
 }
 
 /// Returns the refusal of a code.
-pub(crate) fn unknown(code: fmc_code) -> fmc_error {
+pub(crate) fn unknown(code: fmc_code) -> Refusal {
     Unknown(code).into()
 }
 
@@ -145,7 +145,7 @@ const NO: bool = false;
 const YES: bool = true;
 
 /// Returns the fault with a code (`docs/integration.md`).
-pub(crate) fn fault(code: fmc_code) -> Result<Fault, fmc_error> {
+pub(crate) fn fault(code: fmc_code) -> Result<Fault, Refusal> {
     let mut faults = Fault::ALL.into_iter();
     let found = faults.find(|fault| i32::from(fault.code()) == code);
     found.ok_or_else(|| unknown(code))

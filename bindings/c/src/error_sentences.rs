@@ -10,7 +10,7 @@ use fmc::geometry::inverse::{DistortError, DistortSliceError};
 use fmc::geometry::range::{OutOfRange, Quantity};
 use fmc::geometry::sensor::SensorPoint;
 
-use crate::error::of_point;
+use crate::refusal::{Refusal, of_point};
 use crate::text::Text;
 use crate::{fmc_error, fmc_error_text, fmc_quantity_name};
 
@@ -46,6 +46,11 @@ fn sentence(error: &fmc_error) -> String {
     let length = unsafe { fmc_error_text(error, buffer.as_mut_ptr().cast(), buffer.len()) };
     assert_eq!(buffer[length], 0);
     String::from_utf8(buffer[..length].to_vec()).unwrap()
+}
+
+/// Returns the sentence of a refusal.
+fn refused(refusal: impl Into<Refusal>) -> String {
+    sentence(&refusal.into().into())
 }
 
 fn written(write: impl FnOnce(&mut Text<'_>)) -> String {
@@ -99,7 +104,7 @@ fn sentences_are_those_of_the_library() {
                 min,
                 max,
             };
-            assert_eq!(sentence(&error.into()), format!("{error}"));
+            assert_eq!(refused(error), format!("{error}"));
         }
         for polynomial in [Polynomial::Static, Polynomial::Fitted] {
             let error = CalibrationError::Folds {
@@ -107,7 +112,7 @@ fn sentences_are_those_of_the_library() {
                 scale: value,
                 at,
             };
-            assert_eq!(sentence(&error.into()), format!("{error}"));
+            assert_eq!(refused(error), format!("{error}"));
         }
         for error in [
             FrameError::Stroke(StrokeTooShort {
@@ -125,7 +130,7 @@ fn sentences_are_those_of_the_library() {
                 available_s: 0.25,
             },
         ] {
-            assert_eq!(sentence(&error.into()), format!("{error}"));
+            assert_eq!(refused(error), format!("{error}"));
         }
         for error in [
             DistortError::OffSensor(at),
@@ -133,7 +138,7 @@ fn sentences_are_those_of_the_library() {
         ] {
             let index = 17;
             let library = DistortSliceError { index, error };
-            assert_eq!(sentence(&of_point(error, index)), format!("{library}"));
+            assert_eq!(refused(of_point(error, index)), format!("{library}"));
         }
     }
 }

@@ -6,7 +6,7 @@ use fmc::flight::time::Time;
 use fmc::flight::vh::VhSample;
 
 use crate::code::{self, fmc_code, unknown};
-use crate::error::fmc_error;
+use crate::refusal::Refusal;
 
 /// Obey triggers.
 pub const FMC_EVENT_ARM: fmc_code = 0;
@@ -118,7 +118,7 @@ pub struct fmc_action {
 
 impl fmc_event {
     /// Returns time and event.
-    pub(crate) fn event(&self) -> Result<(Time, Event), fmc_error> {
+    pub(crate) fn event(&self) -> Result<(Time, Event), Refusal> {
         let [value, ..] = self.values;
         let few = |number: u64| i32::try_from(number).unwrap_or(i32::MAX);
         let event = match self.kind {

@@ -5,6 +5,7 @@ use fmc::flight::exposure::Exposure;
 use crate::code::{self, fmc_code};
 use crate::error::{fmc_error, fmc_status};
 use crate::memory;
+use crate::refusal::Refusal;
 use crate::version::{Input, checked};
 use crate::{FMC_CAMERA_VERSION, FMC_FOCUS_PHYSICAL, FMC_FORWARD, FMC_MODEL_EXACT, FMC_NO};
 
@@ -56,7 +57,7 @@ impl fmc_exposure {
     ///
     /// # Errors
     /// The refusal of a code.
-    pub fn exposure(&self) -> Result<Exposure, fmc_error> {
+    pub fn exposure(&self) -> Result<Exposure, Refusal> {
         Ok(Exposure {
             vh_per_s: self.vh_per_s,
             exposure_s: self.exposure_s,
@@ -84,7 +85,7 @@ pub unsafe extern "C" fn fmc_exposure_defaults(
     error: *mut fmc_error,
 ) -> fmc_status {
     let filled = || {
-        checked::<fmc_exposure>([size, version], 2)?;
+        checked([size, version], size_of::<fmc_exposure>(), 2)?;
         let place = memory::output(exposure, 1)?;
         // SAFETY: the caller's promise.
         unsafe { place.write(fmc_exposure::DEFAULT) };

@@ -8,12 +8,13 @@ use fmc::flight::prepared_camera::PreparedCamera;
 use crate::FMC_ERROR_NONE;
 use crate::camera::{fmc_camera, stamp};
 use crate::code::{codes, fmc_code};
-use crate::error::{Failure, fmc_error, fmc_status};
+use crate::error::{fmc_error, fmc_status};
 use crate::event::{fmc_action, fmc_event};
 use crate::flight_settings::fmc_flight_settings;
 use crate::frame::fmc_frame;
 use crate::frame_record::fmc_record;
 use crate::memory::{self, Extent, Storage};
+use crate::refusal::Failure;
 
 /// Words of a flight.
 pub const FMC_FLIGHT_WORDS: usize = 1408;

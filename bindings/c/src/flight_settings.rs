@@ -9,6 +9,7 @@ use fmc::flight::vh::{ChannelSettings, VhSettings};
 use crate::code::{self, codes, fmc_code};
 use crate::error::{fmc_error, fmc_status};
 use crate::memory;
+use crate::refusal::Refusal;
 use crate::version::{Input, checked};
 use crate::{FMC_CAMERA_VERSION, FMC_NO};
 
@@ -166,7 +167,7 @@ pub unsafe extern "C" fn fmc_flight_settings_defaults(
     error: *mut fmc_error,
 ) -> fmc_status {
     let filled = || {
-        checked::<fmc_flight_settings>([size, version], 2)?;
+        checked([size, version], size_of::<fmc_flight_settings>(), 2)?;
         let place = memory::output(settings, 1)?;
         // SAFETY: the caller's promise.
         unsafe { place.write((&FlightSettings::default()).into()) };
@@ -241,7 +242,7 @@ impl From<&DriveSettings> for fmc_drive_settings {
 }
 
 impl fmc_drive_settings {
-    fn settings(&self) -> Result<DriveSettings, fmc_error> {
+    fn settings(&self) -> Result<DriveSettings, Refusal> {
         Ok(DriveSettings {
             encoder_step_um: self.encoder_step_um,
             encoder_reversed: code::bool_of(self.encoder_reversed)?,
@@ -306,7 +307,7 @@ impl From<&FlightSettings> for fmc_flight_settings {
 
 impl fmc_flight_settings {
     /// Returns the settings, not yet validated.
-    pub(crate) fn settings(&self) -> Result<FlightSettings, fmc_error> {
+    pub(crate) fn settings(&self) -> Result<FlightSettings, Refusal> {
         Ok(FlightSettings {
             // The caller of a library has lines of its own.
             inputs: InputSettings::default(),

@@ -6,9 +6,10 @@ use fmc::flight::interior_orientation::InteriorOrientation;
 use crate::FMC_ERROR_CAMERA_CHANGED;
 use crate::camera::fmc_camera;
 use crate::code::{self, fmc_code};
-use crate::error::{Failure, fmc_error, fmc_status};
+use crate::error::{fmc_error, fmc_status};
 use crate::exposure::fmc_exposure;
 use crate::memory::{self, Extent, Kept, Storage};
+use crate::refusal::{Failure, Refusal};
 
 /// Words of a frame.
 pub const FMC_FRAME_WORDS: usize = 24;
@@ -32,7 +33,7 @@ pub(crate) fn unchanged<T>(
     kept: &Kept<T>,
     camera: &Kept<Camera>,
     argument: u32,
-) -> Result<(), fmc_error> {
+) -> Result<(), Refusal> {
     if kept.stamp != camera.stamp {
         return Err(changed(kept.stamp, camera.stamp, argument));
     }
@@ -41,7 +42,7 @@ pub(crate) fn unchanged<T>(
 
 #[cold]
 #[inline(never)]
-fn changed(found: u32, expected: u32, argument: u32) -> fmc_error {
+fn changed(found: u32, expected: u32, argument: u32) -> Refusal {
     Failure::of_argument(FMC_ERROR_CAMERA_CHANGED, argument)
         .numbers(found, expected)
         .into()
@@ -131,10 +132,14 @@ pub unsafe extern "C" fn fmc_frame_init(
         let camera = unsafe { memory::kept(camera, 2) }?;
         // SAFETY: the caller's promise.
         let exposure = unsafe { memory::input(exposure, 3) }?.exposure()?;
-        let made = camera.object.frame(&exposure)?;
-        // SAFETY: the caller's promise.
-        unsafe { memory::put(frame, camera.stamp, made) };
-        Ok(())
+        match camera.object.frame(&exposure) {
+            Ok(made) => {
+                // SAFETY: the caller's promise.
+                unsafe { memory::put(frame, camera.stamp, made) };
+                Ok(())
+            }
+            Err(error) => Err(error.into()),
+        }
     };
     // SAFETY: the caller's promise.
     unsafe { memory::status(initialised(), error) }

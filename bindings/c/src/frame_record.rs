@@ -14,10 +14,11 @@ use fmc::geometry::sensor::SensorPoint;
 use crate::camera::fmc_calibration_id;
 use crate::camera_record::serial;
 use crate::code::{self, fmc_code};
-use crate::error::fmc_error;
+
 use crate::frame::{fmc_interior, terms};
 use crate::record_code::{code_of_reason, fault_bits, faults, flag_bits, flags, reason};
 use crate::record_code::{code_of_source, source};
+use crate::refusal::Refusal;
 use crate::{FMC_SERIAL_LENGTH, FMC_VOLATILE};
 
 /// The record of one trigger. Times are those of the camera, µs since it started.
@@ -151,14 +152,14 @@ impl fmc_record {
     }
 
     /// Returns the library's record.
-    pub(crate) fn record(&self) -> Result<FrameRecord, fmc_error> {
+    pub(crate) fn record(&self) -> Result<FrameRecord, Refusal> {
         let outcome = match reason(self.outcome, self.refused_by)? {
             Some(reason) => Outcome::Refused(reason),
             None => Outcome::Exposed(self.exposed_frame()?),
         };
         let calibration = code::bool_of(self.has_calibration)?
             .then(|| {
-                Ok::<_, fmc_error>(CalibrationId {
+                Ok::<_, Refusal>(CalibrationId {
                     serial: serial(&self.calibration.serial)?,
                     version: self.calibration.calibration_version,
                     crc: self.calibration.crc32,
@@ -176,10 +177,10 @@ impl fmc_record {
         })
     }
 
-    fn exposed_frame(&self) -> Result<ExposedFrame, fmc_error> {
+    fn exposed_frame(&self) -> Result<ExposedFrame, Refusal> {
         let vh = code::bool_of(self.has_vh)?
             .then(|| {
-                Ok::<_, fmc_error>(VhEstimate {
+                Ok::<_, Refusal>(VhEstimate {
                     vh_per_s: self.vh_per_s,
                     sigma_per_s: self.vh_sigma_per_s,
                     age_s: self.vh_age_s,
@@ -211,7 +212,7 @@ impl fmc_record {
 }
 
 impl fmc_interior {
-    fn orientation(&self) -> Result<InteriorOrientation, fmc_error> {
+    fn orientation(&self) -> Result<InteriorOrientation, Refusal> {
         Ok(InteriorOrientation {
             vh_per_s: self.vh_per_s,
             exposure_s: self.exposure_s,

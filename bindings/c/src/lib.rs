@@ -36,6 +36,7 @@ mod mesh;
 mod points;
 mod record_bytes;
 mod record_code;
+mod refusal;
 mod text;
 mod version;
 
@@ -55,6 +56,7 @@ pub use mesh::*;
 pub use points::*;
 pub use record_bytes::*;
 pub use record_code::*;
+pub use refusal::{Failure, Refusal};
 pub use version::*;
 
 /// Links only where no panic can be reached: the symbol that it names is defined nowhere.

@@ -8,7 +8,8 @@ use core::mem::MaybeUninit;
 use core::ptr;
 use core::slice;
 
-use crate::error::{Failure, fmc_error, fmc_status};
+use crate::error::{fmc_error, fmc_status};
+use crate::refusal::{Failure, Refusal};
 use crate::version::{Input, checked};
 use crate::{
     FMC_CAMERA_VERSION, FMC_ERROR_BUFFER, FMC_ERROR_MISALIGNED, FMC_ERROR_NULL, FMC_ERROR_OVERLAP,
@@ -68,7 +69,7 @@ impl Extent {
 
     /// Checks that an argument that is written shares no byte with another one.
     #[inline]
-    pub(crate) fn apart_from(self, other: Self) -> Result<(), fmc_error> {
+    pub(crate) fn apart_from(self, other: Self) -> Result<(), Refusal> {
         if !self.is_apart_from(other) {
             let numbers = [self.argument, other.argument];
             return Err(refused(FMC_ERROR_OVERLAP, self.argument, numbers));
@@ -84,7 +85,7 @@ pub(crate) fn bytes_apart(
     bytes: Extent,
     count: *const usize,
     crc32: *const u32,
-) -> Result<(), fmc_error> {
+) -> Result<(), Refusal> {
     let count = Extent::of(count, 1, 4);
     let crc32 = Extent::of(crc32, 1, 5);
     for (written, other) in [
@@ -100,27 +101,26 @@ pub(crate) fn bytes_apart(
 
 /// Checks that a pointer is neither NULL nor misaligned.
 #[inline]
-fn placed<T>(pointer: *const T, argument: u32) -> Result<(), fmc_error> {
-    if pointer.is_null() || !pointer.is_aligned() {
-        return Err(misplaced(pointer.is_null(), argument));
-    }
-    Ok(())
+fn placed<T>(pointer: *const T, argument: u32) -> Result<(), Refusal> {
+    placed_at(pointer.addr(), align_of::<T>() - 1, argument)
 }
 
-#[cold]
+/// Checks that an address is neither 0 nor has bits of a mask.
 #[inline(never)]
-fn misplaced(is_null: bool, argument: u32) -> fmc_error {
-    let status = if is_null {
+fn placed_at(address: usize, mask: usize, argument: u32) -> Result<(), Refusal> {
+    let status = if address == 0 {
         FMC_ERROR_NULL
-    } else {
+    } else if address & mask != 0 {
         FMC_ERROR_MISALIGNED
+    } else {
+        return Ok(());
     };
-    Failure::of_argument(status, argument).into()
+    Err(Failure::of_argument(status, argument).into())
 }
 
 #[cold]
 #[inline(never)]
-fn refused(status: fmc_status, argument: u32, numbers: [u32; 2]) -> fmc_error {
+fn refused(status: fmc_status, argument: u32, numbers: [u32; 2]) -> Refusal {
     let [number, expected] = numbers;
     Failure::of_argument(status, argument)
         .numbers(number, expected)
@@ -140,7 +140,7 @@ pub(crate) fn is_placed<T>(pointer: *const T, count: usize, extent: Extent) -> b
 
 /// Checks the pointer to so many elements; none may be anywhere.
 #[inline]
-fn placed_many<T>(pointer: *const T, count: usize, argument: u32) -> Result<(), fmc_error> {
+fn placed_many<T>(pointer: *const T, count: usize, argument: u32) -> Result<(), Refusal> {
     placed(pointer, argument)?;
     if !is_placed(pointer, count, Extent::of(pointer, count, argument)) {
         return Err(refused(FMC_ERROR_TOO_MANY, argument, [0; 2]));
@@ -156,7 +156,7 @@ fn placed_many<T>(pointer: *const T, count: usize, argument: u32) -> Result<(), 
 pub(crate) unsafe fn object<'a, S: Storage>(
     pointer: *const S,
     argument: u32,
-) -> Result<&'a S::Object, fmc_error> {
+) -> Result<&'a S::Object, Refusal> {
     // SAFETY: the caller's promise is the same.
     unsafe { kept(pointer, argument) }.map(|kept| &kept.object)
 }
@@ -205,10 +205,26 @@ pub(crate) unsafe fn holding_both<'a, S: Storage, T: Storage>(
 pub(crate) unsafe fn kept<'a, S: Storage>(
     pointer: *const S,
     argument: u32,
-) -> Result<&'a Kept<S::Object>, fmc_error> {
-    placed(pointer, argument)?;
-    // SAFETY: the caller's promise is the same.
-    unsafe { holding(pointer) }.ok_or_else(|| refused(FMC_ERROR_UNINITIALISED, argument, [0; 2]))
+) -> Result<&'a Kept<S::Object>, Refusal> {
+    let storage = pointer.cast::<Kept<S::Object>>();
+    // SAFETY: the storage is as large and as aligned as `Kept`, by the assertions of `TAG`.
+    unsafe { tagged(storage.cast(), align_of::<S>() - 1, S::TAG, argument) }?;
+    // SAFETY: only `put` writes the tag, together with the object.
+    Ok(unsafe { &*storage })
+}
+
+/// Checks that storage begins with a tag.
+///
+/// # Safety
+/// Unless it is NULL or misaligned, the pointer is to a word.
+#[inline(never)]
+unsafe fn tagged(word: *const u32, mask: usize, tag: u32, argument: u32) -> Result<(), Refusal> {
+    placed_at(word.addr(), mask, argument)?;
+    // SAFETY: the pointer has been checked, and a word is valid with all bits.
+    if unsafe { word.read() } != tag {
+        return Err(refused(FMC_ERROR_UNINITIALISED, argument, [0; 2]));
+    }
+    Ok(())
 }
 
 /// Returns the object in storage that is known to hold one.
@@ -228,7 +244,7 @@ pub(crate) unsafe fn known<'a, S: Storage>(pointer: *const S) -> &'a S::Object {
 pub(crate) unsafe fn object_mut<'a, S: Storage>(
     pointer: *mut S,
     argument: u32,
-) -> Result<&'a mut S::Object, fmc_error> {
+) -> Result<&'a mut S::Object, Refusal> {
     // SAFETY: the caller's promise is the same.
     unsafe { object(pointer.cast_const(), argument) }?;
     let storage = pointer.cast::<Kept<S::Object>>();
@@ -237,7 +253,7 @@ pub(crate) unsafe fn object_mut<'a, S: Storage>(
 }
 
 /// Checks storage for [`put`].
-pub(crate) fn room<S: Storage>(pointer: *mut S, argument: u32) -> Result<(), fmc_error> {
+pub(crate) fn room<S: Storage>(pointer: *mut S, argument: u32) -> Result<(), Refusal> {
     placed(pointer.cast_const(), argument)
 }
 
@@ -247,9 +263,12 @@ pub(crate) fn room<S: Storage>(pointer: *mut S, argument: u32) -> Result<(), fmc
 /// The pointer is to storage that is neither read nor written by others during the call.
 pub(crate) unsafe fn put<S: Storage>(pointer: *mut S, stamp: u32, object: S::Object) {
     let storage = pointer.cast::<Kept<S::Object>>();
-    let tag = S::TAG;
     // SAFETY: the storage is large and aligned enough, by the assertions of `TAG`.
-    unsafe { storage.write(Kept { tag, stamp, object }) };
+    unsafe { ptr::addr_of_mut!((*storage).object).write(object) };
+    // SAFETY: as above.
+    unsafe { ptr::addr_of_mut!((*storage).stamp).write(stamp) };
+    // SAFETY: as above.
+    unsafe { ptr::addr_of_mut!((*storage).tag).write(S::TAG) };
 }
 
 /// Makes an object in storage that [`room`] has accepted.
@@ -262,8 +281,8 @@ pub(crate) unsafe fn put<S: Storage>(pointer: *mut S, stamp: u32, object: S::Obj
 pub(crate) unsafe fn put_in_place<S: Storage>(
     pointer: *mut S,
     stamp: u32,
-    make: impl FnOnce(&mut MaybeUninit<S::Object>) -> Result<(), fmc_error>,
-) -> Result<(), fmc_error> {
+    make: impl FnOnce(&mut MaybeUninit<S::Object>) -> Result<(), Refusal>,
+) -> Result<(), Refusal> {
     let storage = pointer.cast::<Kept<MaybeUninit<S::Object>>>();
     // SAFETY: the storage is large and aligned enough, by the assertions of `TAG`, and nothing else
     // uses it; that of an object may hold anything.
@@ -284,12 +303,23 @@ pub(crate) unsafe fn put_in_place<S: Storage>(
 pub(crate) unsafe fn input<'a, T: Input>(
     pointer: *const T,
     argument: u32,
-) -> Result<&'a T, fmc_error> {
-    placed(pointer, argument)?;
+) -> Result<&'a T, Refusal> {
+    const { assert!(align_of::<T>() == align_of::<[u32; 2]>()) };
     // SAFETY: every version of the structure begins with these words.
-    checked::<T>(unsafe { pointer.cast::<[u32; 2]>().read() }, argument)?;
+    unsafe { headed(pointer.cast(), size_of::<T>(), argument) }?;
     // SAFETY: it is of the library's size, and all its fields are valid with all bits.
     Ok(unsafe { &*pointer })
+}
+
+/// Checks size and version at the head of a structure.
+///
+/// # Safety
+/// Unless it is NULL or misaligned, the pointer is to both.
+#[inline(never)]
+unsafe fn headed(head: *const [u32; 2], size: usize, argument: u32) -> Result<(), Refusal> {
+    placed(head, argument)?;
+    // SAFETY: the pointer has been checked, and words are valid with all bits.
+    checked(unsafe { head.read() }, size, argument)
 }
 
 /// Returns elements that are read; none may be anywhere.
@@ -301,7 +331,7 @@ pub(crate) unsafe fn elements<'a, T>(
     pointer: *const T,
     count: usize,
     argument: u32,
-) -> Result<&'a [T], fmc_error> {
+) -> Result<&'a [T], Refusal> {
     if count == 0 {
         return Ok(&[]);
     }
@@ -319,7 +349,7 @@ pub(crate) unsafe fn elements_mut<'a, T>(
     pointer: *mut T,
     count: usize,
     argument: u32,
-) -> Result<&'a mut [T], fmc_error> {
+) -> Result<&'a mut [T], Refusal> {
     if count == 0 {
         return Ok(&mut []);
     }
@@ -333,7 +363,7 @@ pub(crate) fn part_of<T>(
     buffer: &mut [T],
     count: usize,
     argument: u32,
-) -> Result<&mut [T], fmc_error> {
+) -> Result<&mut [T], Refusal> {
     let number = |count: usize| u32::try_from(count).unwrap_or(u32::MAX);
     let refused = Failure::of_argument(FMC_ERROR_BUFFER, argument)
         .numbers(number(buffer.len()), number(count));
@@ -345,7 +375,7 @@ pub(crate) fn part_of<T>(
 pub(crate) struct Output<T>(*mut T);
 
 /// Checks the place of an answer.
-pub(crate) fn output<T>(pointer: *mut T, argument: u32) -> Result<Output<T>, fmc_error> {
+pub(crate) fn output<T>(pointer: *mut T, argument: u32) -> Result<Output<T>, Refusal> {
     placed(pointer.cast_const(), argument)?;
     Ok(Output(pointer))
 }
@@ -366,7 +396,7 @@ impl<T> Output<T> {
 /// # Safety
 /// Unless it is NULL, `error` is to memory of the caller for an error, wherever it lies.
 #[inline]
-pub(crate) unsafe fn status(result: Result<(), fmc_error>, error: *mut fmc_error) -> fmc_status {
+pub(crate) unsafe fn status(result: Result<(), Refusal>, error: *mut fmc_error) -> fmc_status {
     match result {
         Ok(()) => FMC_OK,
         // SAFETY: the caller's promise is the same.
@@ -375,12 +405,14 @@ pub(crate) unsafe fn status(result: Result<(), fmc_error>, error: *mut fmc_error
 }
 
 #[cold]
-unsafe fn fill(error: *mut fmc_error, refusal: fmc_error) -> fmc_status {
+#[inline(never)]
+unsafe fn fill(error: *mut fmc_error, refusal: Refusal) -> fmc_status {
+    let filled = fmc_error::from(refusal);
     if !error.is_null() {
         // SAFETY: the caller owns the memory; it may be misaligned.
-        unsafe { error.write_unaligned(refusal) };
+        unsafe { error.write_unaligned(filled) };
     }
-    refusal.status
+    filled.status
 }
 
 /// Returns a structure without size and version.
@@ -388,7 +420,7 @@ unsafe fn fill(error: *mut fmc_error, refusal: fmc_error) -> fmc_status {
 /// # Safety
 /// Unless it is NULL or misaligned, the pointer is to a structure of the caller, whose fields are
 /// valid with all bits.
-pub(crate) unsafe fn structure<T: Copy>(pointer: *const T, argument: u32) -> Result<T, fmc_error> {
+pub(crate) unsafe fn structure<T: Copy>(pointer: *const T, argument: u32) -> Result<T, Refusal> {
     placed(pointer, argument)?;
     // SAFETY: the pointer has been checked, and the caller owns the structure.
     Ok(unsafe { pointer.read() })

@@ -7,9 +7,10 @@ use fmc::geometry::sensor::SensorPoint;
 
 use crate::FMC_OK;
 use crate::camera::fmc_camera;
-use crate::error::{fmc_error, fmc_status, of_point};
+use crate::error::{fmc_error, fmc_status};
 use crate::frame::{fmc_frame, unchanged};
 use crate::memory::{self, Extent};
+use crate::refusal::{Refusal, of_point};
 
 /// A point of the sensor: x right, y up from the centre of the pixel array, mm.
 #[repr(C)]
@@ -171,7 +172,7 @@ pub unsafe extern "C" fn fmc_distort_xy(
 unsafe fn correction<'a>(
     camera: *const fmc_camera,
     frame: *const fmc_frame,
-) -> Result<&'a FrameCorrection, fmc_error> {
+) -> Result<&'a FrameCorrection, Refusal> {
     // SAFETY: the caller's promise.
     let (camera, frame) = unsafe { (memory::kept(camera, 1)?, memory::kept(frame, 2)?) };
     unchanged(frame, camera, 2)?;
@@ -188,7 +189,7 @@ unsafe fn pairs<'a>(
     frame: *const fmc_frame,
     points: *mut fmc_point,
     count: usize,
-) -> Result<(&'a FrameCorrection, &'a mut [SensorPoint]), fmc_error> {
+) -> Result<(&'a FrameCorrection, &'a mut [SensorPoint]), Refusal> {
     // SAFETY: the caller's promise.
     let correction = unsafe { correction(camera, frame) }?;
     let points = points.cast::<SensorPoint>();
@@ -204,7 +205,7 @@ fn apart(
     camera: *const fmc_camera,
     frame: *const fmc_frame,
     points: Extent,
-) -> Result<(), fmc_error> {
+) -> Result<(), Refusal> {
     points.apart_from(Extent::of(camera, 1, 1))?;
     points.apart_from(Extent::of(frame, 1, 2))
 }
@@ -218,7 +219,7 @@ unsafe fn coordinates<'a>(
     frame: *const fmc_frame,
     [x_mm, y_mm]: [*mut f32; 2],
     count: usize,
-) -> Result<[&'a mut [f32]; 2], fmc_error> {
+) -> Result<[&'a mut [f32]; 2], Refusal> {
     let [x, y] = [(x_mm, 3), (y_mm, 4)].map(|(mm, argument)| Extent::of(mm, count, argument));
     apart(camera, frame, x)?;
     apart(camera, frame, y)?;

@@ -3,9 +3,10 @@
 use fmc::flight::frame_record::FrameRecord;
 use fmc::io::link::digest;
 
-use crate::error::{Failure, fmc_error, fmc_status};
+use crate::error::{fmc_error, fmc_status};
 use crate::frame_record::fmc_record;
 use crate::memory::{self, Extent};
+use crate::refusal::{Failure, Refusal};
 use crate::{FMC_ERROR_BYTES, FMC_ERROR_CRC};
 
 /// Most bytes of a record.
@@ -36,7 +37,7 @@ pub unsafe extern "C" fn fmc_record_to_bytes(
         // SAFETY: the caller's promise.
         let place = unsafe { memory::elements_mut(bytes, capacity, 2) }?;
         let mut buffer = [0; FMC_RECORD_CAPACITY];
-        let refused = || fmc_error::from(Failure::of_argument(FMC_ERROR_BYTES, 1));
+        let refused = || Refusal::from(Failure::of_argument(FMC_ERROR_BYTES, 1));
         let written = postcard::to_slice(&held, &mut buffer).map_err(|_| refused())?;
         let crc = digest::of_frame_record(&held).ok_or_else(refused)?;
         let place = memory::part_of(place, written.len(), 2)?;
@@ -70,7 +71,7 @@ pub unsafe extern "C" fn fmc_record_from_bytes(
         let place = memory::output(record, 1)?;
         // SAFETY: the caller's promise.
         let bytes = unsafe { memory::elements(bytes, count, 2) }?;
-        let refused = || fmc_error::from(Failure::of_argument(FMC_ERROR_BYTES, 2));
+        let refused = || Refusal::from(Failure::of_argument(FMC_ERROR_BYTES, 2));
         let (read, rest) =
             postcard::take_from_bytes::<FrameRecord>(bytes).map_err(|_| refused())?;
         if !rest.is_empty() {

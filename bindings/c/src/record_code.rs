@@ -5,7 +5,7 @@ use fmc::flight::frame_record::{Flag, Flags, Reason};
 use fmc::flight::vh::VhSource;
 
 use crate::code::{self, codes, fmc_code, unknown};
-use crate::error::fmc_error;
+use crate::refusal::Refusal;
 
 /// The shutter opened.
 pub const FMC_EXPOSED: fmc_code = 0;
@@ -46,7 +46,7 @@ codes!(source, code_of_source, VhSource:
 );
 
 /// Returns the reason for a refusal; `None` for an exposure.
-pub(crate) fn reason(outcome: fmc_code, by: fmc_code) -> Result<Option<Reason>, fmc_error> {
+pub(crate) fn reason(outcome: fmc_code, by: fmc_code) -> Result<Option<Reason>, Refusal> {
     Ok(Some(match outcome {
         FMC_EXPOSED => return Ok(None),
         FMC_REFUSED_NOT_ARMED => Reason::NotArmed,
@@ -90,7 +90,7 @@ pub(crate) fn fault_bits(faults: Faults) -> u32 {
 }
 
 /// Returns the faults of bits.
-pub(crate) fn faults(bits: u32) -> Result<Faults, fmc_error> {
+pub(crate) fn faults(bits: u32) -> Result<Faults, Refusal> {
     let mut faults = Faults::NONE;
     for fault in fmc::flight::fault::Fault::ALL {
         if bits & (1 << fault as u32) != 0 {
@@ -109,7 +109,7 @@ pub(crate) fn flag_bits(flags: Flags) -> u32 {
 }
 
 /// Returns the flags of bits.
-pub(crate) fn flags(bits: u32) -> Result<Flags, fmc_error> {
+pub(crate) fn flags(bits: u32) -> Result<Flags, Refusal> {
     let mut flags = Flags::NONE;
     for flag in Flag::ALL {
         if bits & (1 << flag as u32) != 0 {

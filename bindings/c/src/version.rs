@@ -1,6 +1,6 @@
 //! Version of header and library, and the head of the structures that the caller fills.
 
-use crate::error::{Failure, fmc_error};
+use crate::refusal::{Failure, Refusal};
 use crate::{FMC_ERROR_STRUCT_SIZE, FMC_ERROR_VERSION};
 
 /// Version of this header, 0xMMmmpp: it changes with every structure.
@@ -17,17 +17,20 @@ pub extern "C" fn fmc_camera_version() -> u32 {
 pub(crate) trait Input: Copy {}
 
 /// Checks that a size and a version are those of the library's structure.
-pub(crate) fn checked<T>([size, version]: [u32; 2], argument: u32) -> Result<(), fmc_error> {
+pub(crate) fn checked(
+    [size, version]: [u32; 2],
+    size_of_library: usize,
+    argument: u32,
+) -> Result<(), Refusal> {
+    let failure = |status| Failure::of_argument(status, argument);
     if version != FMC_CAMERA_VERSION {
-        return Err(Failure::of_argument(FMC_ERROR_VERSION, argument)
-            .numbers(version, FMC_CAMERA_VERSION)
-            .into());
+        let failure = failure(FMC_ERROR_VERSION);
+        return Err(failure.numbers(version, FMC_CAMERA_VERSION).into());
     }
-    let expected = u32::try_from(size_of::<T>()).unwrap_or(u32::MAX);
+    let expected = u32::try_from(size_of_library).unwrap_or(u32::MAX);
     if size != expected {
-        return Err(Failure::of_argument(FMC_ERROR_STRUCT_SIZE, argument)
-            .numbers(size, expected)
-            .into());
+        let failure = failure(FMC_ERROR_STRUCT_SIZE);
+        return Err(failure.numbers(size, expected).into());
     }
     Ok(())
 }

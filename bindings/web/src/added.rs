@@ -3,7 +3,7 @@
 use fmc::flight::camera::Camera;
 use fmc::geometry::frame_correction::FrameCorrection;
 use fmc_camera_c::{
-    FMC_ERROR_NULL, FMC_OK, fmc_camera_record, fmc_error, fmc_exposure, fmc_status,
+    FMC_ERROR_NULL, FMC_OK, Refusal, fmc_camera_record, fmc_error, fmc_exposure, fmc_status,
 };
 
 use crate::distortion::{SIDE_POINTS, difference, points};
@@ -51,6 +51,7 @@ pub extern "C" fn fmc_web_added(
     match fill(record, exposure, added) {
         Ok(()) => FMC_OK,
         Err(refusal) => {
+            let refusal = fmc_error::from(refusal);
             if let Some(error) = error {
                 *error = refusal;
             }
@@ -63,7 +64,7 @@ fn fill(
     record: &fmc_camera_record,
     exposure: &fmc_exposure,
     added: &mut [Added; POINTS],
-) -> Result<(), fmc_error> {
+) -> Result<(), Refusal> {
     let camera = Camera::new(record.parameters()?)?;
     let frame = camera.frame(&exposure.exposure()?)?;
     let still = FrameCorrection::without_motion(camera.calibration());

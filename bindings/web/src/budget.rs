@@ -6,7 +6,7 @@ use fmc::flight::exposure::Exposure;
 use fmc::geometry::image_motion::ImageMotionError;
 use fmc::geometry::principal_distance::Flatness;
 use fmc_camera_c::{
-    FMC_ERROR_NULL, FMC_ERROR_OUT_OF_RANGE, FMC_MECHANISM_TDI, FMC_OK, fmc_camera_record,
+    FMC_ERROR_NULL, FMC_ERROR_OUT_OF_RANGE, FMC_MECHANISM_TDI, FMC_OK, Refusal, fmc_camera_record,
     fmc_error, fmc_status,
 };
 
@@ -94,9 +94,9 @@ pub extern "C" fn fmc_web_budget(
 
 fn computed(record: &fmc_camera_record, assumed: &Assumptions) -> Result<Budget, fmc_error> {
     let parameters = record.parameters()?;
-    let camera = Camera::new(parameters)?;
+    let camera = Camera::new(parameters).map_err(Refusal::from)?;
     // Its distortion is that of the motion alone.
-    let flat = Camera::new(without_run_out(parameters))?;
+    let flat = Camera::new(without_run_out(parameters)).map_err(Refusal::from)?;
     let mut largest = Effects::default();
     let mut budget = Budget::default();
     let mut refusal = None;
@@ -131,7 +131,7 @@ fn computed(record: &fmc_camera_record, assumed: &Assumptions) -> Result<Budget,
         }
     }
     match refusal {
-        Some(error) if budget.accepted == 0 => Err(error.into()),
+        Some(error) if budget.accepted == 0 => Err(Refusal::from(error).into()),
         _ => {
             budget.effects_um = largest.of_mechanism(record.mechanism == FMC_MECHANISM_TDI);
             Ok(budget)
@@ -149,7 +149,7 @@ fn without_run_out(parameters: CameraParameters) -> CameraParameters {
 
 fn refused(error: ImageMotionError) -> fmc_error {
     match error {
-        ImageMotionError::OutOfRange(error) => error.into(),
+        ImageMotionError::OutOfRange(error) => Refusal::from(error).into(),
         // The camera looks straight down, so that it does not see the horizon.
         ImageMotionError::Horizon(scale) => fmc_error {
             value: scale,
