@@ -11,6 +11,9 @@ use crate::{bench::Footprint, emulator::Emulator, target::Target};
 /// Row of the table of footprints.
 const NAME: &str = "c-library";
 
+/// Most bytes of code and constants of the least program.
+const MOST_BYTES: u64 = 20_000;
+
 /// Most instructions of a call of 16 points over the bare correction.
 const MOST_OVER_BARE: u64 = 60;
 
@@ -70,8 +73,14 @@ impl Cost {
     /// Checks the limits that no compiler may exceed.
     ///
     /// # Errors
-    /// An error if there is a variable, or a call takes too many instructions.
+    /// An error if the least program is too large, there is a variable, or a call takes too many
+    /// instructions.
     pub(super) fn is_within_limits(&self) -> Result<()> {
+        let bytes = self.footprint.flash_bytes;
+        ensure!(
+            bytes <= MOST_BYTES,
+            "the least program has {bytes} bytes of code and constants, and {MOST_BYTES} are allowed"
+        );
         let variables = self.footprint.static_ram_bytes;
         ensure!(
             variables == 0,
