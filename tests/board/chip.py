@@ -1,5 +1,6 @@
 """Peripherals of the STM32H743 that the image uses, as far as it can tell: clocks and power that
-become ready, reset flags, pins, serial ports with FIFO, timers and the independent watchdog.
+become ready, reset flags, pins, serial ports with FIFO, timers, the independent watchdog, and the
+second bank of the flash.
 
 Addresses and bits are those of ST's manual RM0433. Every register that is not named here keeps what
 is written to it.
@@ -7,6 +8,7 @@ is written to it.
 
 from collections import deque
 
+import flash
 from processor import CYCLES_PER_US
 from timers import ARR, CCER, CCR1, CR1, ENABLED, EncoderTimer, MotorTimer, Timer
 
@@ -204,8 +206,10 @@ class SerialPort:
 class Chip:
     """All peripherals. `bench` is what is connected: it is told of outputs and asked for counts."""
 
-    def __init__(self, bench):
-        self.bench = bench
+    BANK_2, BANK_2_BYTES = flash.BANK_2, flash.BANK_2_BYTES
+
+    def __init__(self, bench, random):
+        self.bench, self.random = bench, random
         self._supply_is_low = False
         self.clock_has_failed = False
         self.is_locked_up = False
@@ -220,13 +224,15 @@ class Chip:
         self.link = SerialPort(processor, self.pins, USART3, "PD9", "PD8")
         self.receiver = SerialPort(processor, self.pins, USART2, "PD6")
         self.autopilot = SerialPort(processor, self.pins, UART7, "PE7")
+        self.bank = flash.Bank(processor, self.random)
         self.timers = (self.motor, self.clock, self.shutter, self.encoder)
         self.ports = (self.link, self.receiver, self.autopilot)
         self.interrupts = (
             (28, self.clock), (50, self.shutter),
             (39, self.link), (38, self.receiver), (82, self.autopilot),
         )  # fmt: skip
-        self.blocks = {block.base >> 10: block for block in (*self.timers, *self.ports)}
+        blocks = (*self.timers, *self.ports, self.bank)
+        self.blocks = {block.base >> 10: block for block in blocks}
         self.flags = 0
         self.fed = None
         self.reset("power")
@@ -238,7 +244,7 @@ class Chip:
         self.is_locked_up = False
         self.fed = None
         self.pins.reset()
-        for block in (*self.timers, *self.ports):
+        for block in self.blocks.values():
             block.reset()
         self.outputs_changed()
 

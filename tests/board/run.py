@@ -17,10 +17,11 @@ import test_force
 import test_memory
 import test_stack
 import test_start
+import test_store
 
 CLASSES = (
     test_start.Start, test_force.Force, test_memory.Memory, test_stack.Stack, test_edges.Edges,
-    test_clock.Clock, test_client.Client, test_flight.TenSeconds,
+    test_clock.Clock, test_store.Store, test_client.Client, test_flight.TenSeconds,
 )  # fmt: skip
 
 

@@ -25,7 +25,7 @@ LEAPS = struct.pack("<HHHH", 0xF5AD, 0x5D80, 0x9000, 0xE7FB)
 UNDEFINED = struct.pack("<H", 0xDE00)
 LOCKS_UP = struct.pack("<HH", 0xB671, 0xDE00)
 BOOT_S = 0.02
-# Flash that the image leaves free.
+# Flash of the first bank that the image leaves free.
 ASTRAY = FLASH + FLASH_BYTES - 0x1000
 
 
