@@ -10,7 +10,7 @@ from collections import deque
 
 import flash
 from processor import CYCLES_PER_US
-from timers import ARR, CCER, CCR1, CR1, ENABLED, EncoderTimer, MotorTimer, Timer
+from timers import ARR, CCER, CCR1, CR1, ENABLED, CompareTimer, EncoderTimer, MotorTimer, Timer
 
 TIM1, TIM2, TIM4, TIM5 = 0x4001_0000, 0x4000_0000, 0x4000_0800, 0x4000_0C00
 USART2, USART3, UART7 = 0x4000_4400, 0x4000_4800, 0x4000_7800
@@ -40,7 +40,7 @@ WATCHDOG_CYCLES = 4096 * 4 * CYCLES_PER_US * 1_000_000 // 32_000
 # Alternate functions by which pins reach peripherals, from the data sheet of the STM32H743.
 FUNCTIONS = {
     "PA0": 1, "PB3": 1, "PB10": 1, "PB11": 1, "PD12": 2, "PD13": 2, "PD14": 2, "PE9": 1,
-    "PE12": 1, "PE15": 1,
+    "PE12": 1, "PE15": 1, "PA3": 2,
     "PD8": 7, "PD9": 7, "PD6": 7, "PE7": 7,
 }  # fmt: skip
 CAPTURES = {"PA0": 0, "PB3": 1, "PB10": 2, "PB11": 3}
@@ -219,7 +219,7 @@ class Chip:
         self.pins = Pins(processor, self.outputs_changed)
         self.motor = MotorTimer(processor, TIM1, self)
         self.clock = Timer(processor, TIM2)
-        self.shutter = Timer(processor, TIM5)
+        self.shutter = CompareTimer(processor, TIM5, self.outputs_changed)
         self.encoder = EncoderTimer(processor, TIM4, self.bench.counts)
         self.link = SerialPort(processor, self.pins, USART3, "PD9", "PD8")
         self.receiver = SerialPort(processor, self.pins, USART2, "PD6")
@@ -338,7 +338,7 @@ class Chip:
         block = self.blocks.get(address >> 10)
         if block is not None:
             block.write(address - block.base, value)
-            if block is self.motor:
+            if block in (self.motor, self.shutter):
                 self.outputs_changed()
         elif GPIO <= address < GPIO + 0x400 * len(PORTS):
             self.pins.write(address, value)
@@ -384,8 +384,8 @@ class Chip:
 
     # Wires.
 
-    def outputs_changed(self):
-        """Tells the bench what the chip drives."""
+    def outputs_changed(self, time=None):
+        """Tells the bench what the chip drives, since a time that has just passed, or since now."""
         timer = self.motor.registers
         drives = (
             timer.get(CR1, 0) & ENABLED
@@ -396,10 +396,10 @@ class Chip:
         duty = min(1.0, timer.get(CCR1, 0) / (timer.get(ARR, 0) + 1)) if drives else 0.0
         direction = -1.0 if self.pins.is_high("PE10") else 1.0
         self.bench.drive(
-            self.processor.now,
+            self.processor.now if time is None else time,
             duty=direction * duty,
             is_enabled=self.motor.enable_is_high() and self.pins.has_function("PE12"),
-            is_open=self.pins.is_high("PC10"),
+            is_open=self.shutter.is_high() and self.pins.has_function("PA3"),
         )
 
     def edge(self, name, time, width_ns=1000.0, is_falling=False):

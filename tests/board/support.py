@@ -72,9 +72,9 @@ class Flight:
 
 
 def astray(board, code, in_interrupt=False):
-    """Lets the main loop go on with this code, interrupts allowed, once no interrupt is served, or
-    lets the next tick's interrupt do so."""
-    while board.processor.active:
+    """Lets the main loop go on with this code, interrupts allowed, once no interrupt is served or
+    waits, or lets the next tick's interrupt do so."""
+    while board.processor.active or board.chip.lines():
         board.processor.run(board.now + 1)
     processor = board.processor
     processor.uc.mem_write(ASTRAY, code)

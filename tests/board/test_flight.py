@@ -90,7 +90,7 @@ class TenSeconds(unittest.TestCase):
                 self.assertLess(abs(opened_us - trigger_us - 1e6 * delay_s), 2)
                 elapsed_s = trigger_s - triggers_s[0]
                 self.assertLess(abs(trigger_us - first_us - 1e6 * elapsed_s), 2 + elapsed_s)
-                self.assertLess(abs(exposure_s - EXPOSURE_S), 3e-6)
+                self.assertLess(abs(exposure_s - EXPOSURE_S), 1e-6)
                 sigma_mm = float(record["principal_point_sigma_mm"])
                 error_mm = float(record["principal_point_y_mm"]) - truth["mean_mm"]
                 self.assertLess(sigma_mm, 5e-4)

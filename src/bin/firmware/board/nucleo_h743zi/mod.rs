@@ -118,7 +118,7 @@ impl Board {
                 shutter_opened: p.PB10,
                 shutter_closed: p.PB11,
             }),
-            _shutter: Shutter::start(p.TIM5, p.PC10),
+            _shutter: Shutter::start(p.TIM5, p.PA3),
             inputs: Inputs::start(p.PC8, p.PC9),
             wires: Wires::start((p.USART2, p.UART7), p.PD6, p.PE7),
             _stepper: StepPins {
