@@ -79,6 +79,7 @@ fn clear() {
 
 /// Waits until the bank has done what it was told. The watchdog is fed meanwhile.
 fn wait(longest_us: u32) -> Result<(), FlashError> {
+    cortex_m::asm::dsb();
     let start = clock::now_us();
     let mut fed = start;
     watchdog::feed();
@@ -104,13 +105,20 @@ fn wait(longest_us: u32) -> Result<(), FlashError> {
     }
 }
 
-/// Does something with the bank unlocked and open for writing.
-fn unlocked(act: impl FnOnce() -> Result<(), FlashError>) -> Result<(), FlashError> {
+/// Makes sure that the bank has nothing to do, and clears its flags. A bank that is busy would hold
+/// the processor until it has ended.
+fn begin() -> Result<(), FlashError> {
     let status = bank().sr().read();
     if status.bsy() || status.qw() {
         return Err(FlashError::Busy);
     }
     clear();
+    Ok(())
+}
+
+/// Does something with the bank unlocked and open for writing.
+fn unlocked(act: impl FnOnce() -> Result<(), FlashError>) -> Result<(), FlashError> {
+    begin()?;
     if bank().cr().read().lock() {
         for key in KEYS {
             bank().keyr().write_value(key);
@@ -136,7 +144,7 @@ fn unlocked(act: impl FnOnce() -> Result<(), FlashError>) -> Result<(), FlashErr
 
 /// Reads a word.
 fn read_word(offset: u32) -> Result<[u8; WORD], FlashError> {
-    clear();
+    begin()?;
     let word = flash_words::read(offset).ok_or(FlashError::Unreadable);
     let status = bank().sr().read();
     clear();

@@ -76,6 +76,8 @@ pub(super) fn write(offset: u32, word: &[u8]) {
     let Some(address) = address_of(offset) else {
         return;
     };
+    // The bank's registers are reached before its memory.
+    dsb();
     for (place, bytes) in word.chunks(size_of::<u32>()).take(WORD / 4).enumerate() {
         if let Ok(bytes) = bytes.try_into() {
             let piece = u32::from_le_bytes(bytes);
