@@ -228,8 +228,8 @@ class Chip:
         self.timers = (self.motor, self.clock, self.shutter, self.encoder)
         self.ports = (self.link, self.receiver, self.autopilot)
         self.interrupts = (
-            (28, self.clock), (50, self.shutter),
-            (39, self.link), (38, self.receiver), (82, self.autopilot),
+            (28, self.clock), (38, self.receiver), (39, self.link), (50, self.shutter),
+            (82, self.autopilot),
         )  # fmt: skip
         blocks = (*self.timers, *self.ports, self.bank)
         self.blocks = {block.base >> 10: block for block in blocks}
@@ -302,7 +302,8 @@ class Chip:
             self.look_at_breaks()
 
     def lines(self):
-        return {number for number, block in self.interrupts if block.line()}
+        """Returns the numbers of the interrupts that are asked for, lowest first."""
+        return [number for number, block in self.interrupts if block.line()]
 
     # Registers.
 

@@ -299,9 +299,9 @@ class Processor:
         """Returns the number of the exception that is to be taken next, or `None`."""
         if self.nmi_pending:
             return NMI
-        lines = self.chip.lines() & self.enabled
-        if lines:
-            return FIRST_INTERRUPT + min(lines)
+        for line in self.chip.lines():
+            if line in self.enabled:
+                return FIRST_INTERRUPT + line
         return SYSTICK if self.systick_pending else None
 
     def _enter(self, number):
