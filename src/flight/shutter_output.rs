@@ -6,7 +6,9 @@ use super::time::Time;
 ///
 /// High opens the shutter, low closes it. The user calls [`Self::look`] after every change and at
 /// every compare, sets the wire's level and the time of the next compare, and calls it again if
-/// that time has passed meanwhile.
+/// that time has passed meanwhile. A timer may also set the level by itself when it compares equal:
+/// then the interrupt, however late, looks at the time of the compare first, from which the
+/// exposure is counted, and then at its own.
 ///
 /// Times are those of a counter of microseconds that wraps at 32 bits; a command must leave within
 /// half of that (35 minutes).
@@ -160,6 +162,17 @@ mod tests {
         // Even a command that would have ended by now leaves: the controller judges it.
         shutter.open(Time::from_us(5000), 1e-3);
         assert_eq!(shutter.look(9000), level(true, 10_000));
+    }
+
+    #[test]
+    fn exposure_is_counted_from_the_compare_that_the_timer_has_made() {
+        let mut shutter = ShutterOutput::new();
+        shutter.open(Time::from_us(1000), 1e-3);
+        assert_eq!(shutter.look(1000), level(true, 2000));
+        assert_eq!(shutter.look(1300), level(true, 2000));
+        // A command that came between the two takes the place of the one that was set.
+        shutter.open(Time::from_us(4000), 1e-3);
+        assert_eq!(shutter.look(1301), level(false, 4000));
     }
 
     #[test]

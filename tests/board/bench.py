@@ -50,8 +50,9 @@ class Stage:
     def advance(self, time_s, crossed=None):
         """Moves on; calls `crossed` with the positions before and after each step."""
         while time_s > self.time_s:
-            step_s = min(STEP_S, time_s - self.time_s)
             speed, rate = self.speed_mm_s, self.acceleration()
+            rests = speed == 0.0 and rate == 0.0
+            step_s = time_s - self.time_s if rests else min(STEP_S, time_s - self.time_s)
             if speed != 0.0 and speed * (speed + rate * step_s) < 0.0:
                 # It comes to a standstill in this step.
                 step_s = max(-speed / rate, 1e-9)
@@ -91,6 +92,24 @@ class Stage:
         return integral / (end_s - start_s)
 
 
+class Shake:
+    """A shake of the stage that the motor does not cause: a sine from a time on."""
+
+    def __init__(self, amplitude_mm=0.0, frequency_hz=1.0, start_s=0.0):
+        self.amplitude_mm = amplitude_mm
+        self.rad_s = 2 * math.pi * frequency_hz
+        self.start_s = start_s
+
+    def at_mm(self, time_s):
+        return self.amplitude_mm * math.sin(self.rad_s * max(0.0, time_s - self.start_s))
+
+    def mean_mm(self, start_s, end_s):
+        """Returns the mean over a time at which it shakes."""
+        assert self.amplitude_mm == 0.0 or start_s >= self.start_s
+        begin, end = (math.cos(self.rad_s * (time - self.start_s)) for time in (start_s, end_s))
+        return self.amplitude_mm * (begin - end) / (self.rad_s * (end_s - start_s))
+
+
 class Bench:
     """Everything outside the chip."""
 
@@ -103,6 +122,7 @@ class Bench:
         # Part of a step between the encoder's zero and the calibrated position.
         self.phase = phase
         self.stage = Stage(position_mm)
+        self.shake = Shake()
         self.is_enabled = self.is_open = False
         # Signed duty of the pulses, whatever the enable is.
         self.duty = 0.0
@@ -127,7 +147,11 @@ class Bench:
 
     def counts(self, time):
         self._advance(time)
-        return math.floor(self.stage.position_mm / self.ENCODER_STEP_MM + 0.5 + self.phase)
+        place_mm = self.stage.position_mm + self.shake.at_mm(self.seconds(time))
+        return math.floor(place_mm / self.ENCODER_STEP_MM + 0.5 + self.phase)
+
+    def _place_mm(self, time_s):
+        return self.stage.at_mm(time_s) + self.shake.at_mm(time_s)
 
     def _advance(self, time):
         self.stage.advance(self.seconds(time), self._crossed)
@@ -166,8 +190,8 @@ class Bench:
             self.frames.append({
                 "opened_s": start_s,
                 "closed_s": end_s,
-                "mean_mm": self.stage.mean_mm(start_s, end_s),
-                "travel_mm": self.stage.at_mm(end_s) - self.stage.at_mm(start_s),
+                "mean_mm": self.stage.mean_mm(start_s, end_s) + self.shake.mean_mm(start_s, end_s),
+                "travel_mm": self._place_mm(end_s) - self._place_mm(start_s),
                 "unix_us": 1e6 * (EPOCH_S + (start_s + end_s) / 2),
             })  # fmt: skip
 

@@ -33,13 +33,16 @@ def segments(image):
 class Board:
     """A board that has just been switched on."""
 
-    def __init__(self, image, seed=1, **bench):
+    def __init__(self, image, seed=1, bank=None, **bench):
+        """Switches it on, with what another board's flash holds if `bank` is that."""
         self.random = random.Random(seed)
         self.bench = Bench(**bench)
-        self.chip = Chip(self.bench)
+        self.chip = Chip(self.bench, self.random)
         self.processor = Processor(segments(image), self.chip)
         self.bench.connect(self.processor, self.chip)
         self.chip.connect(self.processor)
+        if bank is not None:
+            self.chip.bank.keep(bank)
         self.forget()
         self.port = None
         self.path = None
@@ -95,12 +98,20 @@ class Board:
                 # It is behind: real time waits.
                 start, begin = time.monotonic(), self.now
 
+    def serve_until(self, condition, *command):
+        """Runs a program of this PC with the port until something has happened, and ends it."""
+        with subprocess.Popen([str(part) for part in command], stderr=subprocess.DEVNULL) as program:
+            self.serve(lambda: not condition() and program.poll() is None)
+            assert program.poll() is None, f"{command} has ended"
+            program.terminate()
+
     def client(self, *command, code=0):
-        """Runs a program of this PC with the port until it ends; returns what it has printed."""
+        """Runs a program of this PC with the port until it ends; returns what it has printed, or its
+        errors where it is to fail."""
         pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
         with subprocess.Popen([str(part) for part in command], **pipes) as program:
             self.serve(lambda: program.poll() is None)
             output, errors = program.communicate()
         if program.returncode != code:
             raise AssertionError(f"{command}: {program.returncode}\n{output}{errors}")
-        return output
+        return errors if code else output

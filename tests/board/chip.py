@@ -1,5 +1,6 @@
 """Peripherals of the STM32H743 that the image uses, as far as it can tell: clocks and power that
-become ready, reset flags, pins, serial ports with FIFO, timers and the independent watchdog.
+become ready, reset flags, pins, serial ports with FIFO, timers, the independent watchdog, and the
+second bank of the flash.
 
 Addresses and bits are those of ST's manual RM0433. Every register that is not named here keeps what
 is written to it.
@@ -7,8 +8,9 @@ is written to it.
 
 from collections import deque
 
+import flash
 from processor import CYCLES_PER_US
-from timers import ARR, CCER, CCR1, CR1, ENABLED, EncoderTimer, MotorTimer, Timer
+from timers import ARR, CCER, CCR1, CR1, ENABLED, CompareTimer, EncoderTimer, MotorTimer, Timer
 
 TIM1, TIM2, TIM4, TIM5 = 0x4001_0000, 0x4000_0000, 0x4000_0800, 0x4000_0C00
 USART2, USART3, UART7 = 0x4000_4400, 0x4000_4800, 0x4000_7800
@@ -38,7 +40,7 @@ WATCHDOG_CYCLES = 4096 * 4 * CYCLES_PER_US * 1_000_000 // 32_000
 # Alternate functions by which pins reach peripherals, from the data sheet of the STM32H743.
 FUNCTIONS = {
     "PA0": 1, "PB3": 1, "PB10": 1, "PB11": 1, "PD12": 2, "PD13": 2, "PD14": 2, "PE9": 1,
-    "PE12": 1, "PE15": 1,
+    "PE12": 1, "PE15": 1, "PA3": 2,
     "PD8": 7, "PD9": 7, "PD6": 7, "PE7": 7,
 }  # fmt: skip
 CAPTURES = {"PA0": 0, "PB3": 1, "PB10": 2, "PB11": 3}
@@ -204,8 +206,10 @@ class SerialPort:
 class Chip:
     """All peripherals. `bench` is what is connected: it is told of outputs and asked for counts."""
 
-    def __init__(self, bench):
-        self.bench = bench
+    BANK_2, BANK_2_BYTES = flash.BANK_2, flash.BANK_2_BYTES
+
+    def __init__(self, bench, random):
+        self.bench, self.random = bench, random
         self._supply_is_low = False
         self.clock_has_failed = False
         self.is_locked_up = False
@@ -215,18 +219,20 @@ class Chip:
         self.pins = Pins(processor, self.outputs_changed)
         self.motor = MotorTimer(processor, TIM1, self)
         self.clock = Timer(processor, TIM2)
-        self.shutter = Timer(processor, TIM5)
+        self.shutter = CompareTimer(processor, TIM5, self.outputs_changed)
         self.encoder = EncoderTimer(processor, TIM4, self.bench.counts)
         self.link = SerialPort(processor, self.pins, USART3, "PD9", "PD8")
         self.receiver = SerialPort(processor, self.pins, USART2, "PD6")
         self.autopilot = SerialPort(processor, self.pins, UART7, "PE7")
+        self.bank = flash.Bank(processor, self.random)
         self.timers = (self.motor, self.clock, self.shutter, self.encoder)
         self.ports = (self.link, self.receiver, self.autopilot)
         self.interrupts = (
-            (28, self.clock), (50, self.shutter),
-            (39, self.link), (38, self.receiver), (82, self.autopilot),
+            (28, self.clock), (38, self.receiver), (39, self.link), (50, self.shutter),
+            (82, self.autopilot),
         )  # fmt: skip
-        self.blocks = {block.base >> 10: block for block in (*self.timers, *self.ports)}
+        blocks = (*self.timers, *self.ports, self.bank)
+        self.blocks = {block.base >> 10: block for block in blocks}
         self.flags = 0
         self.fed = None
         self.reset("power")
@@ -238,7 +244,7 @@ class Chip:
         self.is_locked_up = False
         self.fed = None
         self.pins.reset()
-        for block in (*self.timers, *self.ports):
+        for block in self.blocks.values():
             block.reset()
         self.outputs_changed()
 
@@ -296,7 +302,8 @@ class Chip:
             self.look_at_breaks()
 
     def lines(self):
-        return {number for number, block in self.interrupts if block.line()}
+        """Returns the numbers of the interrupts that are asked for, lowest first."""
+        return [number for number, block in self.interrupts if block.line()]
 
     # Registers.
 
@@ -332,7 +339,7 @@ class Chip:
         block = self.blocks.get(address >> 10)
         if block is not None:
             block.write(address - block.base, value)
-            if block is self.motor:
+            if block in (self.motor, self.shutter):
                 self.outputs_changed()
         elif GPIO <= address < GPIO + 0x400 * len(PORTS):
             self.pins.write(address, value)
@@ -378,8 +385,8 @@ class Chip:
 
     # Wires.
 
-    def outputs_changed(self):
-        """Tells the bench what the chip drives."""
+    def outputs_changed(self, time=None):
+        """Tells the bench what the chip drives, since a time that has just passed, or since now."""
         timer = self.motor.registers
         drives = (
             timer.get(CR1, 0) & ENABLED
@@ -390,10 +397,10 @@ class Chip:
         duty = min(1.0, timer.get(CCR1, 0) / (timer.get(ARR, 0) + 1)) if drives else 0.0
         direction = -1.0 if self.pins.is_high("PE10") else 1.0
         self.bench.drive(
-            self.processor.now,
+            self.processor.now if time is None else time,
             duty=direction * duty,
             is_enabled=self.motor.enable_is_high() and self.pins.has_function("PE12"),
-            is_open=self.pins.is_high("PC10"),
+            is_open=self.shutter.is_high() and self.pins.has_function("PA3"),
         )
 
     def edge(self, name, time, width_ns=1000.0, is_falling=False):

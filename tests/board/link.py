@@ -15,6 +15,7 @@ COUNTER_NAMES = (
     "done", "refused", "repeated", "truncated", "oversized", "wrong_crc", "other_protocol",
     "unknown", "other_session", "out_of_order", "overrun_bytes", "stack_used_bytes",
 )  # fmt: skip
+SERIAL_BYTES = 16
 ANSWER_WITHIN_S = 0.2
 STEP_S = 0.001
 
@@ -94,6 +95,12 @@ class Link:
         self.version, self.build, self.name = (reader.text() for _ in range(3))
         reader.byte()
         self.cause = CAUSES[reader.number()]
+        reader.number()
+        # Serial number, version, CRC-32 and storage of the calibration in use, or None.
+        self.calibration = None
+        if reader.byte():
+            serial = bytes(reader.byte() for _ in range(SERIAL_BYTES)).rstrip(b"\0").decode()
+            self.calibration = serial, *(reader.number() for _ in range(3))
 
     def ask(self, kind):
         request, expected = kind

@@ -19,11 +19,12 @@ CYCLES_PER_US = 400
 BUS_CYCLES = 24
 # Most instructions between two looks at interrupts, while one is masked, and while a register is
 # polled.
-SLICE = 400
+SLICE = 1000
 SLICE_WHILE_MASKED = 24
 SLICE_WHILE_POLLED = 100
 
-FLASH, FLASH_BYTES = 0x0800_0000, 0x20_0000
+# The first bank of the flash; the second is the chip's, as every access to it is judged.
+FLASH, FLASH_BYTES = 0x0800_0000, 0x10_0000
 ITCM, ITCM_BYTES = 0x0000_0000, 0x1_0000
 DTCM, DTCM_BYTES = 0x2000_0000, 0x2_0000
 AXI, AXI_BYTES = 0x2400_0000, 0x8_0000
@@ -34,6 +35,9 @@ PRIVATE, PRIVATE_BYTES = 0xE000_0000, 0x10_0000
 # Returns from exceptions go to such an address; a page is there so that Unicorn can stop before it.
 RETURN_PAGE, RETURN, RETURN_BYTES = 0xFFFF_F000, 0xFFFF_FFE8, 0x1000
 WFI = b"\x30\xbf"
+# Loops that only wait: a branch to itself, and a register that is counted down by one (`subs`,
+# `bne`), whose number is in the first halfword.
+HANGS, COUNT_DOWN, AND_BACK = 0xE7FE, 0x3801, 0xD1FD
 # Frame that an exception pushes, with floating point: r0-r3, r12, lr, pc, xPSR, s0-s15, FPSCR, and
 # a word that keeps it aligned.
 FRAME_BYTES = 104
@@ -42,6 +46,8 @@ NMI, HARD_FAULT, SYSTICK, FIRST_INTERRUPT = 2, 3, 15, 16
 
 FORCED = 1 << 30
 BUS_FAULT, UNDEFINED = 0x8200, 0x1_0000
+# Register CCR, its bit by which faults of the bus are ignored where none can be taken, and CFSR.
+CCR, BFHFNMIGN, CFSR, BFAR = 0xE000_ED14, 1 << 8, 0xE000_ED28, 0xE000_ED38
 # Fault of the bus while an exception's frame is written.
 STACKING_FAULT = 0x1000
 # Faults of the memory protection: of an instruction fetch, of an access, of an exception's frame.
@@ -65,7 +71,8 @@ _FLOATS = tuple(arm.UC_ARM_REG_D0 + number for number in range(8))
 
 
 class Processor:
-    """The core with its memories. `chip` has the peripherals: `read`, `write`, `lines`, `reset`."""
+    """The core with its memories. `chip` has the peripherals: `read`, `write`, `lines`, `reset`, and
+    the second bank of the flash: `load`, `store`."""
 
     def __init__(self, segments, chip):
         self.chip = chip
@@ -73,6 +80,8 @@ class Processor:
         self.events = []
         self.order = 0
         self.is_polling = False
+        self.failed = 0
+        self.begun_at = None
         mode = unicorn.UC_MODE_THUMB | unicorn.UC_MODE_MCLASS
         self.uc = uc = unicorn.Uc(unicorn.UC_ARCH_ARM, mode)
         uc.ctl_set_cpu_model(arm.UC_CPU_ARM_CORTEX_M7)
@@ -80,6 +89,7 @@ class Processor:
         for start, length in MEMORIES[1:]:
             uc.mem_map(start, length)
         uc.mem_map(RETURN_PAGE, RETURN_BYTES, unicorn.UC_PROT_READ | unicorn.UC_PROT_EXEC)
+        uc.mmio_map(chip.BANK_2, chip.BANK_2_BYTES, self._load, None, self._store, None)
         uc.mmio_map(PERIPHERALS, PERIPHERALS_BYTES, self._read, None, self._write, None)
         uc.mmio_map(PRIVATE, PRIVATE_BYTES, self._read_private, None, self._write_private, None)
         for address, data in segments:
@@ -119,6 +129,7 @@ class Processor:
         self.asleep = False
         self.locked = False
         self.wants_reset = False
+        self.failed = 0
         self.regions = {}
         self._protect()
         stack, entry = struct.unpack("<II", self.uc.mem_read(FLASH, 8))
@@ -168,14 +179,21 @@ class Processor:
             self.enabled -= {first + bit for bit in range(32) if value >> bit & 1}
             return
         before = self.private.get(address, 0)
+        if address == CFSR:
+            # Ones clear its bits.
+            value = before & ~value
         self.private[address] = value
         if address == 0xE000_E010 and value & 1 and not before & 1:
             self.systick_epoch += 1
             self._start_systick(self.systick_epoch)
-        elif address == MPU_RASR:
+        elif address in (MPU_RBAR, MPU_RASR):
+            # Each region has registers of its own.
             number = self.private.get(MPU_RNR, 0)
-            self.regions[number] = self.private.get(MPU_RBAR, 0) & ~0x1F, value
-            self._protect()
+            base, attributes = self.regions.get(number, (0, 0))
+            is_base = address == MPU_RBAR
+            self.regions[number] = (value & ~0x1F, attributes) if is_base else (base, value)
+            if not is_base:
+                self._protect()
         elif address == MPU_CTRL:
             self._protect()
         elif address == 0xE000_ED0C and value >> 16 == 0x05FA and value & 4:
@@ -237,6 +255,41 @@ class Processor:
         self.now += BUS_CYCLES
         self.chip.write(PERIPHERALS + offset, size, value)
 
+    # Second bank of the flash.
+
+    def _load(self, _uc, offset, size, _data):
+        self.now += BUS_CYCLES
+        if not self.permissions(self.chip.BANK_2 + offset) & _READ:
+            return self._refuse()
+        return self.chip.bank.load(offset, size)
+
+    def _store(self, _uc, offset, size, value, _data):
+        self.now += BUS_CYCLES
+        if self.permissions(self.chip.BANK_2 + offset) & _WRITE:
+            self.chip.bank.store(offset, size, value)
+        else:
+            self._refuse()
+
+    def _refuse(self):
+        """The protection does not allow the access that is being made."""
+        self.failed = ACCESS_FAULT
+        self.uc.emu_stop()
+        return 0
+
+    def fail_bus(self, address):
+        """The bus fails in the access that is being made. Where no fault can be taken it is ignored, if
+        the register says so: the status tells of it (ARMv7-M, B3.2.8)."""
+        no_fault = self.is_fault_masked() or self.active[-1:] in ([NMI], [HARD_FAULT])
+        if no_fault and self.private.get(CCR, 0) & BFHFNMIGN:
+            self.private[CFSR] = self.private.get(CFSR, 0) | BUS_FAULT
+            self.private[BFAR] = address
+        else:
+            self.failed = BUS_FAULT
+            self.uc.emu_stop()
+
+    def is_fault_masked(self):
+        return self.uc.reg_read(arm.UC_ARM_REG_FAULTMASK) & 1
+
     # Exceptions.
 
     def _sleeps(self, *_):
@@ -246,9 +299,9 @@ class Processor:
         """Returns the number of the exception that is to be taken next, or `None`."""
         if self.nmi_pending:
             return NMI
-        lines = self.chip.lines() & self.enabled
-        if lines:
-            return FIRST_INTERRUPT + min(lines)
+        for line in self.chip.lines():
+            if line in self.enabled:
+                return FIRST_INTERRUPT + line
         return SYSTICK if self.systick_pending else None
 
     def _enter(self, number):
@@ -314,15 +367,14 @@ class Processor:
             self._protect()
 
     def _note_fault(self, status):
-        self.private[0xE000_ED28] = self.private.get(0xE000_ED28, 0) | status
+        self.private[CFSR] = self.private.get(CFSR, 0) | status
         self.private[0xE000_ED2C] = self.private.get(0xE000_ED2C, 0) | FORCED
 
     def fault(self, status):
         """A fault of an instruction: a lock-up where no handler may come, in that of a fault or with
         faults masked."""
         self._note_fault(status)
-        masked = self.uc.reg_read(arm.UC_ARM_REG_FAULTMASK) & 1
-        if masked or (self.active and self.active[-1] in (NMI, HARD_FAULT)):
+        if self.is_fault_masked() or (self.active and self.active[-1] in (NMI, HARD_FAULT)):
             self.locked = True
             self.chip.lock_up()
         else:
@@ -348,7 +400,9 @@ class Processor:
                 self.asleep = False
             masked = False
             if pending is not None and not self.active:
-                masked = pending > HARD_FAULT and self.uc.reg_read(arm.UC_ARM_REG_PRIMASK) & 1
+                masked = pending > HARD_FAULT and (
+                    self.uc.reg_read(arm.UC_ARM_REG_PRIMASK) & 1 or self.is_fault_masked()
+                )
                 if not masked:
                     self._enter(pending)
             elif pending == NMI and self.active[-1] > HARD_FAULT:
@@ -360,8 +414,30 @@ class Processor:
                     longest = SLICE_WHILE_MASKED
                 self._slice(max(1, min(longest, horizon - self.now)))
 
+    def _wait(self):
+        """Passes over a loop that only waits, up to the next event; returns whether it was one."""
+        first, second = struct.unpack("<HH", self.uc.mem_read(self.pc, 4))
+        if first == HANGS:
+            self.now = max(self.now, self.horizon)
+            return True
+        if first & 0xF8FF != COUNT_DOWN or second != AND_BACK:
+            return False
+        register = arm.UC_ARM_REG_R0 + (first >> 8 & 7)
+        left = self.uc.reg_read(register)
+        turns = min(left - 1, (self.horizon - self.now) // 2)
+        if turns <= 0:
+            return False
+        self.uc.reg_write(register, left - turns)
+        self.now += 2 * turns
+        return True
+
     def _slice(self, instructions):
         uc = self.uc
+        # Where the last slice began near here it may be such a loop.
+        is_near = self.begun_at is not None and abs(self.pc - self.begun_at) <= 2
+        self.begun_at = self.pc
+        if is_near and self._wait():
+            return
         try:
             uc.emu_start(self.pc | 1, RETURN, count=instructions)
         except unicorn.UcError as error:
@@ -379,5 +455,8 @@ class Processor:
             return
         self.now += instructions // 2 if self.asleep else instructions
         self.pc = uc.reg_read(arm.UC_ARM_REG_PC) & ~1
+        if self.failed:
+            status, self.failed = self.failed, 0
+            self.fault(status)
         if self.wants_reset:
             self.reset("software")

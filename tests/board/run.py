@@ -15,12 +15,16 @@ import test_edges
 import test_flight
 import test_force
 import test_memory
+import test_shake
+import test_shutter
 import test_stack
 import test_start
+import test_store
 
 CLASSES = (
     test_start.Start, test_force.Force, test_memory.Memory, test_stack.Stack, test_edges.Edges,
-    test_clock.Clock, test_client.Client, test_flight.TenSeconds,
+    test_shutter.Shutter, test_clock.Clock, test_store.Store, test_client.Client,
+    test_shake.Shaking, test_flight.TenSeconds,
 )  # fmt: skip
 
 

@@ -4,6 +4,7 @@ import csv
 import json
 import pathlib
 import struct
+import subprocess
 import tempfile
 
 from unicorn import arm_const as arm
@@ -16,6 +17,8 @@ HERE = pathlib.Path(__file__).parent
 CAMERA = HERE.parents[1] / "host-sim/scenarios/cameras/mission.toml"
 SETTINGS = HERE / "flight.toml"
 MS = CYCLES_PER_S // 1000
+# From a trigger until its record is there.
+FRAME = 250 * MS
 
 # Instructions that the processor goes astray to: a loop, a stack that grows for ever, by 32 bytes or
 # by more than the guard has, one that does not exist, and the same with faults masked.
@@ -25,14 +28,19 @@ LEAPS = struct.pack("<HHHH", 0xF5AD, 0x5D80, 0x9000, 0xE7FB)
 UNDEFINED = struct.pack("<H", 0xDE00)
 LOCKS_UP = struct.pack("<HH", 0xB671, 0xDE00)
 BOOT_S = 0.02
-# Flash that the image leaves free.
+# Flash of the first bank that the image leaves free.
 ASTRAY = FLASH + FLASH_BYTES - 0x1000
 
 
-def settings(folder, text):
-    """Writes the settings of the tests with more of them; returns the file's path."""
+def settings(folder, text, **others):
+    """Writes the settings of the tests with more of them, and with other values of some; returns the
+    file's path."""
+    lines = SETTINGS.read_text().splitlines()
+    for name, value in others.items():
+        (number,) = (at for at, line in enumerate(lines) if line.startswith(f"{name} = "))
+        lines[number] = f"{name} = {value}"
     path = pathlib.Path(folder) / "settings.toml"
-    path.write_text(SETTINGS.read_text() + text)
+    path.write_text("\n".join(lines) + "\n" + text)
     return path
 
 
@@ -58,6 +66,29 @@ class Flight:
         self.camera("referenced")
         self.camera("arm")
 
+    def fly(self, triggers, vh_per_s):
+        """Gives V/H by a client that stays, and triggers after so many cycles each; returns the
+        records."""
+        board = self.board
+        start = board.now
+        for after in triggers:
+            board.bench.trigger(start + after)
+        end = start + triggers[-1] + FRAME
+        device = f"serial:{board.path}"
+        vh = ["vh", str(vh_per_s), "--for", "3600"]
+        # The model may be slower than this PC's clock: the client is ended when the flight is.
+        with subprocess.Popen(
+            [self.host_sim, "camera", "--device", device, *vh], stderr=subprocess.PIPE, text=True
+        ) as client:
+            board.serve(lambda: board.now < end and client.poll() is None)
+            client.terminate()
+            errors = client.stderr.read()
+        assert errors == "", errors
+        # What was on the way when the client ended is no answer for the next.
+        board.run(0.05)
+        board.pump()
+        return self.records()
+
     def status(self):
         return json.loads(self.camera("status", "--json"))
 
@@ -72,9 +103,9 @@ class Flight:
 
 
 def astray(board, code, in_interrupt=False):
-    """Lets the main loop go on with this code, interrupts allowed, once no interrupt is served, or
-    lets the next tick's interrupt do so."""
-    while board.processor.active:
+    """Lets the main loop go on with this code, interrupts allowed, once no interrupt is served or
+    waits, or lets the next tick's interrupt do so."""
+    while board.processor.active or board.chip.lines():
         board.processor.run(board.now + 1)
     processor = board.processor
     processor.uc.mem_write(ASTRAY, code)

@@ -65,14 +65,14 @@ class Force(unittest.TestCase):
                 self.assertEqual(self.flight.status()["fault"], "drive")
                 # It does not come back by itself, and not while the brake is pulled.
                 self.flight.camera("clear-fault")
-                board.run(1.0)
+                board.run(0.4)
                 self.assertFalse(board.bench.is_enabled)
                 chip.set_brake(not pulled)
-                board.run(1.0)
+                board.run(0.4)
                 self.assertFalse(board.bench.is_enabled)
                 self.flight.camera("clear-fault")
                 self.flight.camera("arm")
-                board.run(1.0)
+                board.run(0.4)
                 self.assertTrue(board.bench.is_enabled, self.flight.status())
                 # A spike that the filter rejects is none.
                 chip.set_brake(pulled, width_ns=30.0)

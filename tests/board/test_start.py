@@ -58,7 +58,7 @@ class Start(unittest.TestCase):
         pins = self.booted().chip.pins
         for name in FUNCTIONS:
             self.assertTrue(pins.has_function(name), name)
-        for name in ("PC10", "PE10", "PB0", "PB14"):
+        for name in ("PE10", "PB0", "PB14"):
             self.assertTrue(pins.is_output(name), name)
         # Resistors inside the chip: up for the link and tracks, down for edges.
         down = ("PA0", "PB3", "PB10", "PB11", "PD14", "PE15")

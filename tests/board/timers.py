@@ -79,7 +79,8 @@ class Timer:
             self.start_count, self.start_time = count, now
         else:
             self.registers[offset] = value
-        if offset in (CNT, EGR, CR1, DIER) or CCR1 <= offset < CCR1 + 16:
+        is_mode = offset in (CCMR1, CCMR1 + 4)
+        if is_mode or offset in (CNT, EGR, CR1, DIER) or CCR1 <= offset < CCR1 + 16:
             self.epoch += 1
             for channel in range(4):
                 self._plan(channel)
@@ -109,23 +110,75 @@ class Timer:
         self.status |= 2 << channel
         self.registers[CCR1 + 4 * channel] = count
 
+    def is_compared(self, channel):
+        """Returns true if anybody asks to be told of a channel's match."""
+        return bool(self.registers.get(DIER, 0) >> channel & 2)
+
     def _plan(self, channel):
-        """Plans the next match of a channel that compares, if anybody asks to be told."""
-        is_asked = self.registers.get(DIER, 0) >> channel & 2
-        if self.is_input(channel) or not self.runs or not is_asked:
+        """Plans the next match of a channel that compares."""
+        if self.is_input(channel) or not self.runs or not self.is_compared(channel):
             return
         now, period = self.processor.now, TIMER_CYCLES * self.prescaler
         ahead = (self.registers.get(CCR1 + 4 * channel, 0) - self.count(now)) % (
             self.registers[ARR] + 1
         ) or self.registers[ARR] + 1
         phase = (now - self.start_time) % period
-        epoch = self.epoch
-        self.processor.at(now + ahead * period - phase, lambda: self._match(channel, epoch))
+        epoch, time = self.epoch, now + ahead * period - phase
+        self.processor.at(time, lambda: self._match(channel, epoch, time))
 
-    def _match(self, channel, epoch):
+    def _match(self, channel, epoch, time):
         if epoch == self.epoch:
             self.status |= 2 << channel
+            self._matched(channel, time)
             self._plan(channel)
+
+    def _matched(self, channel, time):
+        """A channel has matched at a time that has just passed."""
+
+
+class CompareTimer(Timer):
+    """TIM5: channel 4 drives a line, which a match changes at its own time, or a forced level."""
+
+    CHANNEL = 3
+    ACTIVE_ON_MATCH, INACTIVE_ON_MATCH, FORCED_INACTIVE, FORCED_ACTIVE = 1, 2, 4, 5
+
+    def __init__(self, processor, base, changed):
+        self.changed = changed
+        super().__init__(processor, base)
+
+    def reset(self):
+        super().reset()
+        self.is_active = False
+
+    @property
+    def mode(self):
+        mode = self.registers.get(CCMR1 + 4, 0)
+        return mode >> 12 & 7 | mode >> 21 & 8
+
+    def is_compared(self, channel):
+        return super().is_compared(channel) or channel == self.CHANNEL and self.mode in (
+            self.ACTIVE_ON_MATCH, self.INACTIVE_ON_MATCH,
+        )  # fmt: skip
+
+    def write(self, offset, value):
+        super().write(offset, value)
+        if offset == CCMR1 + 4:
+            if self.mode in (self.FORCED_ACTIVE, self.FORCED_INACTIVE):
+                self._set(self.mode == self.FORCED_ACTIVE, self.processor.now)
+
+    def _matched(self, channel, time):
+        super()._matched(channel, time)
+        if channel == self.CHANNEL and self.mode in (self.ACTIVE_ON_MATCH, self.INACTIVE_ON_MATCH):
+            self._set(self.mode == self.ACTIVE_ON_MATCH, time)
+
+    def _set(self, is_active, time):
+        if is_active != self.is_active:
+            self.is_active = is_active
+            self.changed(time)
+
+    def is_high(self):
+        """Level of the output; low where the channel does not drive it."""
+        return self.is_active and self.registers.get(CCER, 0) >> 4 * self.CHANNEL & 3 == 1
 
 
 class MotorTimer(Timer):

@@ -46,3 +46,18 @@ pub(super) fn start<const N: usize>(mpu: &mut MPU, regions: [(u32, u32); N]) {
     asm::dsb();
     asm::isb();
 }
+
+/// Gives the board's region with this number other attributes, once what was begun under the old
+/// ones is done.
+#[cfg(feature = "board-nucleo-h743zi")]
+pub(super) fn change(number: u32, attributes: u32) {
+    asm::dsb();
+    // SAFETY: as above; the main loop alone comes here, and no handler uses the registers.
+    unsafe {
+        let mpu = &*MPU::PTR;
+        mpu.rnr.write(number);
+        mpu.rasr.write(attributes);
+    }
+    asm::dsb();
+    asm::isb();
+}

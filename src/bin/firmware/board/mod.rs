@@ -26,6 +26,8 @@ mod memory_guard;
 mod panic;
 mod receive_ring;
 mod stack;
+#[cfg(feature = "store")]
+mod trust;
 mod wire_ring;
 
 #[cfg(feature = "board-mps2")]

@@ -23,9 +23,9 @@ use cortex_m::peripheral::{Peripherals, SCB};
 use cortex_m_semihosting::debug;
 
 use fmc_camera::io::link::{deck::RigDeck, message::ResetCause};
-use fmc_camera::io::store::{CalibrationStore, PublicKey};
+use fmc_camera::io::store::CalibrationStore;
 
-use super::{cause, memory_guard};
+use super::{cause, memory_guard, trust};
 use blocks::Blocks;
 use flash::Flash;
 use registers::SharedMemory;
@@ -33,9 +33,6 @@ use registers::SharedMemory;
 pub(super) use self::{
     clock::now_us, fault::stop_after_fault, fault::stop_after_panic, log::carry_log,
 };
-
-/// Key by which the camera knows the signatures of calibrations.
-const KEY: Option<PublicKey> = PublicKey::from_pem(include_str!(env!("FMC_PUBLIC_KEY_FILE")));
 
 /// The camera of the link.
 pub(crate) type Deck = RigDeck;
@@ -83,14 +80,7 @@ impl Board {
     /// Returns the store of the calibration: two sectors, an erasure of which takes less time than
     /// the watchdog has.
     pub(crate) fn store(&self) -> Option<CalibrationStore<Flash>> {
-        const {
-            assert!(
-                KEY.is_some(),
-                "FMC_PUBLIC_KEY names no public key of Ed25519"
-            );
-        }
-        let store = CalibrationStore::new(self.flash, 0).ok()?;
-        Some(store.trusting(KEY?))
+        trust::store_in(self.flash)
     }
 
     /// Returns a test rig.

@@ -9,6 +9,9 @@ mod captures;
 mod clock;
 mod control_loop;
 mod fault;
+mod flash;
+mod flash_error;
+mod flash_words;
 mod force;
 mod inputs;
 mod line;
@@ -18,16 +21,18 @@ mod motor;
 mod regions;
 mod shutter;
 mod step_pins;
+mod watchdog;
 mod wires;
 
 use embassy_stm32::{
     gpio::{Level, Output, Speed},
-    pac::{self, iwdg::vals::Key},
+    pac,
 };
 
 use self::{
     captures::{CapturePins, Captures},
     clock::Microseconds,
+    flash::Flash,
     inputs::Inputs,
     link::Link,
     motor::{Motor, MotorPins},
@@ -38,8 +43,9 @@ use self::{
 use fmc_camera::flight::{disciplined_clock::DisciplinedClock, flown_deck::FlownDeck};
 use fmc_camera::io::instruments::Instruments;
 use fmc_camera::io::link::{message::ResetCause, wired_deck::WiredDeck};
+use fmc_camera::io::store::CalibrationStore;
 
-use super::{cause, memory_guard};
+use super::{cause, memory_guard, trust};
 
 pub(super) use self::{
     clock::now_us, fault::stop_after_fault, fault::stop_after_panic, log::carry_log,
@@ -74,7 +80,7 @@ impl Board {
 
     /// Starts clocks, link and watchdog, once; `None` if that fails.
     pub(crate) fn start() -> Option<(Self, ResetCause)> {
-        start_watchdog();
+        watchdog::start();
         let start = reason_of_start();
         let mut core = cortex_m::Peripherals::take()?;
         memory_guard::start(&mut core.MPU, regions::REGIONS);
@@ -112,7 +118,7 @@ impl Board {
                 shutter_opened: p.PB10,
                 shutter_closed: p.PB11,
             }),
-            _shutter: Shutter::start(p.TIM5, p.PC10),
+            _shutter: Shutter::start(p.TIM5, p.PA3),
             inputs: Inputs::start(p.PC8, p.PC9),
             wires: Wires::start((p.USART2, p.UART7), p.PD6, p.PE7),
             _stepper: StepPins {
@@ -122,6 +128,12 @@ impl Board {
         };
         control_loop::start(&mut core.SYST);
         Some((board, start))
+    }
+
+    /// Returns the store of the calibration: the first two sectors of the flash's second bank.
+    #[expect(clippy::unused_self, reason = "the interface is that of every board")]
+    pub(crate) fn store(&self) -> Option<CalibrationStore<Flash>> {
+        trust::store_in(Flash::for_calibration()?)
     }
 
     /// Returns the camera on this board's pins, not prepared.
@@ -167,7 +179,7 @@ impl Board {
     pub(crate) fn feed_watchdog(&mut self) {
         // The source of rounds also guards the motor: without it the force would stay on.
         if !control_loop::is_overdue() {
-            pac::IWDG1.kr().write(|w| w.set_key(Key::RESET));
+            watchdog::feed();
         }
         // The light blinks about once per second.
         let lit = clock::now_us() & (1 << 19) == 0;
@@ -200,13 +212,6 @@ impl Board {
     pub(crate) fn power_off(&mut self) -> ! {
         self.reset()
     }
-}
-
-/// Starts the watchdog before any step that could wait for ever, with the interval that it has
-/// after a reset: 0.5 s. It stands still while a debugger holds the processor.
-fn start_watchdog() {
-    pac::DBGMCU.apb4fzr1().modify(|w| w.set_iwdg1(true));
-    pac::IWDG1.kr().write(|w| w.set_key(Key::START));
 }
 
 /// Returns the cause of the processor's start, from the flags of the reset controller, which it
