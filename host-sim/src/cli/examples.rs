@@ -159,7 +159,8 @@ Examples:
 
 pub(super) const RECORDS: &str = "\
 Examples:
-  host-sim records --device serial:/dev/ttyACM0 --out flight";
+  host-sim records --device serial:/dev/ttyACM0 --out flight
+  host-sim records --device serial:/dev/ttyACM0 --follow --out flight";
 
 pub(super) const EXPORT: &str = "\
 Examples:

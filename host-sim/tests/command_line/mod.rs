@@ -64,6 +64,9 @@ mod fake_qemu;
 #[cfg(test)]
 mod flight_block;
 #[cfg(test)]
+#[cfg(unix)]
+mod following;
+#[cfg(test)]
 mod frames;
 #[cfg(test)]
 mod gpu_mesh;
