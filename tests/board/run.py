@@ -9,6 +9,7 @@ The image is the one that is flashed, unchanged. TEST is a name as `test_flight`
 import sys
 import unittest
 
+import test_bring_up
 import test_client
 import test_clock
 import test_edges
@@ -17,10 +18,12 @@ import test_force
 import test_memory
 import test_stack
 import test_start
+import test_vectors
 
 CLASSES = (
     test_start.Start, test_force.Force, test_memory.Memory, test_stack.Stack, test_edges.Edges,
-    test_clock.Clock, test_client.Client, test_flight.TenSeconds,
+    test_clock.Clock, test_client.Client, test_vectors.Vectors,
+    test_bring_up.BringUp, test_flight.TenSeconds,
 )  # fmt: skip
 
 

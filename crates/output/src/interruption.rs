@@ -4,8 +4,8 @@ use std::io;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Whether somebody has asked the program to end: by Ctrl-C, SIGTERM or SIGHUP, unless the caller
-/// has told the program to ignore them. The second such signal ends it at once.
+/// A request to end: Ctrl-C, SIGTERM or SIGHUP, unless the caller has told the program to ignore
+/// them. The second such signal ends it at once.
 ///
 /// Elsewhere than on Unix nobody is heard, and Ctrl-C ends the program at once.
 #[derive(Debug, Clone, Default)]

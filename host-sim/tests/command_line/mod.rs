@@ -11,6 +11,9 @@ mod bad_request;
 #[cfg(test)]
 mod block;
 #[cfg(test)]
+#[cfg(unix)]
+mod bring_up;
+#[cfg(test)]
 mod budget;
 #[cfg(test)]
 mod calibrate_angles;
@@ -109,6 +112,9 @@ mod rectify;
 #[cfg(test)]
 #[cfg(unix)]
 mod serial;
+#[cfg(test)]
+#[cfg(unix)]
+mod serve;
 #[cfg(test)]
 mod sign;
 mod smear;

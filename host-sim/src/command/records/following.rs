@@ -5,7 +5,8 @@ use std::path::Path;
 use std::thread::sleep;
 use std::time::Duration;
 
-use fmc_camera::flight::frame_record::{FrameRecord, Outcome};
+use fmc_camera::flight::fault::Fault;
+use fmc_camera::flight::frame_record::{Flag, FrameRecord, Outcome};
 use fmc_camera::flight::in_doubt::InDoubt;
 use fmc_camera::io::link::message::{Refusal, Status};
 use fmc_output::interruption::Interruption;
@@ -220,8 +221,8 @@ fn line(record: &FrameRecord) -> String {
         ),
         Outcome::Refused(reason) => write!(line, "refused: {reason}"),
     };
-    let faults: Vec<&str> = record.faults.iter().map(|fault| fault.name()).collect();
-    let flags: Vec<&str> = record.flags.iter().map(|flag| flag.name()).collect();
+    let faults: Vec<&str> = record.faults.iter().map(Fault::name).collect();
+    let flags: Vec<&str> = record.flags.iter().map(Flag::name).collect();
     for (what, names) in [("faults", faults), ("flags", flags)] {
         if !names.is_empty() {
             let _ = write!(line, "; {what}: {}", names.join(", "));

@@ -5,9 +5,9 @@ use fmc_camera::flight::clock_drift::ClockDrift;
 use fmc_camera::flight::controller::Counts;
 use fmc_camera::flight::controller::state::State;
 use fmc_camera::flight::exposure::Exposure;
-use fmc_camera::flight::fault::{Fault, Faults};
+use fmc_camera::flight::fault::Faults;
 use fmc_camera::flight::findings::Findings;
-use fmc_camera::flight::frame_record::{ExposedFrame, Flag, Flags};
+use fmc_camera::flight::frame_record::{ExposedFrame, Flags};
 use fmc_camera::flight::principal_point_sigma::PrincipalPointSigma;
 use fmc_camera::flight::time::Time;
 use fmc_camera_file::CameraFile;
@@ -29,7 +29,7 @@ struct Flying {
     interruption: Interruption,
     /// Number of frames before the end.
     frames: u32,
-    /// What happens then.
+    /// Called once they are over.
     end: fn(&mut Flying) -> Result<(), DeviceError>,
     /// Called with the number of a record before it is acknowledged.
     before_safe: fn(&mut Flying, u32),
