@@ -1,7 +1,7 @@
 //! Linker arguments of the firmware, and the memory of its board. They stand here and not in
 //! RUSTFLAGS, so that a user's flags cannot displace them. A build of the library alone gets none
 //! of them. A firmware with a store trusts the public key in the file that `FMC_PUBLIC_KEY` names,
-//! else a test key that everybody can sign by. The condition `host_kernel` is set where the feature
+//! else a test key that everybody can sign by. `FMC_LINK_BAUD` is the speed of the link. The condition `host_kernel` is set where the feature
 //! `host` has a kernel.
 
 use std::{
@@ -36,6 +36,15 @@ const PUBLIC_KEY: &str = "FMC_PUBLIC_KEY";
 
 /// Public key whose private half is in the repository.
 const TEST_KEY: &str = "src/bin/firmware/test-public-key.pem";
+
+/// Variable that sets the speed of the link, bits per second.
+const LINK_BAUD: &str = "FMC_LINK_BAUD";
+
+/// Speed of the link without the variable, that of `host-sim`.
+const USUAL_BAUD: u32 = 921_600;
+
+/// Speeds that `host-sim` takes.
+const BAUDS: [u32; 2] = [57_600, 3_000_000];
 
 fn main() -> io::Result<()> {
     println!("cargo::rerun-if-changed=build.rs");
@@ -77,10 +86,29 @@ fn firmware(memory: &str) -> io::Result<()> {
     }
     log_level();
     name_sources();
+    link_baud();
     if env::var_os("CARGO_FEATURE_STORE").is_some() {
         public_key();
     }
     Ok(())
+}
+
+/// Tells the firmware the speed of its link.
+fn link_baud() {
+    println!("cargo::rerun-if-env-changed={LINK_BAUD}");
+    let [least, most] = BAUDS;
+    let given = env::var(LINK_BAUD);
+    let baud = match &given {
+        Ok(text) => text.parse().ok(),
+        Err(_) => Some(USUAL_BAUD),
+    };
+    match baud.filter(|baud| (least..=most).contains(baud)) {
+        Some(baud) => println!("cargo::rustc-env={LINK_BAUD}={baud}"),
+        None => println!(
+            "cargo::error={LINK_BAUD}={}: not a whole number of {least} to {most}, bits per second",
+            given.unwrap_or_default()
+        ),
+    }
 }
 
 /// Tells the firmware in which file its public key is.

@@ -5,6 +5,7 @@
 //! | `docs/conventions.md` | frames, signs, units, names and ranges |
 //! | `docs/integration.md` | wiring, first exposure, settings, timing, remedy of every fault |
 //! | `docs/board.md` | the firmware on a NUCLEO-H743ZI2: wiring, flashing, porting |
+//! | `docs/link.md` | messages of the link for other languages: schema, test vectors |
 //! | `docs/store.md` | a calibration in flash: layout, order of writes, what is lost when |
 //! | `docs/errata.md` | departures from printed formulas; `docs/derivations` has the scripts |
 //! | `docs/performance.md` | cost of a point; `docs/control_loop.md`: load of the control loop |

@@ -2,6 +2,7 @@
 
 use core::fmt;
 
+use super::bring_up::{EdgeCounts, LineLevels, NotTried, Trial, TrialEnd, TrialReport, Trials};
 use super::camera::Camera;
 use super::camera_slot::CameraSlot;
 pub use super::camera_slot::NotFlyable;
@@ -43,6 +44,10 @@ pub struct FlownDeck<Drive> {
     /// Settings of the board's lines that it has not taken yet.
     inputs: Option<InputSettings>,
     has_row_clock: bool,
+    /// Levels of all lines, by the board; `None` for one that does not tell them.
+    lines: Option<LineLevels>,
+    edges: EdgeCounts,
+    trials: Trials,
 }
 
 impl<Drive: FlownDrive> FlownDeck<Drive> {
@@ -62,6 +67,16 @@ impl<Drive: FlownDrive> FlownDeck<Drive> {
             clock_drift: None,
             inputs: None,
             has_row_clock: false,
+            lines: None,
+            edges: EdgeCounts {
+                trigger: 0,
+                time_pulse: 0,
+                shutter_opened: 0,
+                shutter_closed: 0,
+                index: 0,
+                lost: 0,
+            },
+            trials: Trials::NONE,
         }
     }
 
@@ -84,6 +99,7 @@ impl<Drive: FlownDrive> FlownDeck<Drive> {
     /// Adds an event of a wire, at a time that may be somewhat before now. If there is no place for
     /// it, it is counted ([`EventQueue`]).
     pub fn capture(&mut self, time: Time, event: Event) {
+        self.edges.count(event);
         if self.controller().is_some() {
             self.events.push(time, event);
         }
@@ -97,6 +113,7 @@ impl<Drive: FlownDrive> FlownDeck<Drive> {
 
     /// Counts edges that were lost before they could be handed over.
     pub fn count_lost(&mut self, edges: u32) {
+        self.edges.lost = self.edges.lost.saturating_add(edges);
         if self.controller().is_some() {
             self.events.count_lost(edges);
         }
@@ -154,7 +171,16 @@ impl<Drive: FlownDrive> FlownDeck<Drive> {
             // The position is for display, and a counter of 16 bits must be read regularly.
             let reading = self.drive.position(now);
             self.offset_mm = reading.ok().map(|reading| reading.offset_mm);
-            return RoundActions::new();
+            if self.drive.take_index().is_some() {
+                self.edges.index = self.edges.index.saturating_add(1);
+            }
+            let mut outside = RoundActions::new();
+            let action = self.trials.round(&mut self.drive, now, reading, &self.seen);
+            // There is room for it.
+            if let Some(action) = action {
+                let _ = outside.push(action);
+            }
+            return outside;
         };
         let events = self.events.take(now);
         // The command is the first event of a round, or not among them.
@@ -181,6 +207,47 @@ impl<Drive: FlownDrive> FlownDeck<Drive> {
         outside
     }
 
+    /// Takes the levels of all lines, for their display alone.
+    pub const fn note_lines(&mut self, lines: LineLevels) {
+        self.lines = Some(lines);
+    }
+
+    /// Levels of all lines by the last [note](Self::note_lines); `None` without.
+    #[must_use]
+    pub const fn lines(&self) -> Option<LineLevels> {
+        self.lines
+    }
+
+    /// Counts of the edges since the start.
+    #[must_use]
+    pub const fn edges(&self) -> EdgeCounts {
+        self.edges
+    }
+
+    /// Levels of switches and supply in the last round.
+    #[must_use]
+    pub const fn seen(&self) -> InputLevels {
+        self.seen
+    }
+
+    /// Begins a trial of mechanism or shutter with the next round, on a camera that is not
+    /// prepared.
+    ///
+    /// # Errors
+    /// [`NotTried`]; nothing moves then.
+    pub fn try_out(&mut self, trial: Trial) -> Result<(), NotTried> {
+        if self.controller().is_some() {
+            return Err(NotTried::Prepared);
+        }
+        self.trials.begin(trial, self.offset_mm, &self.seen)
+    }
+
+    /// The last trial, which may be under way; `None` before the first.
+    #[must_use]
+    pub const fn trial(&self) -> Option<TrialReport> {
+        self.trials.report()
+    }
+
     /// The drive.
     pub const fn drive(&self) -> &Drive {
         &self.drive
@@ -195,6 +262,7 @@ impl<Drive: FlownDrive> FlownDeck<Drive> {
     /// prepared before it flies; an earlier flight has ended, and its records are gone.
     pub fn load(&mut self, camera: Camera) {
         self.camera.load(camera);
+        self.trials.end(TrialEnd::Loaded);
         self.drive.release();
         self.events.clear();
     }
@@ -217,6 +285,7 @@ impl<Drive: FlownDrive> FlownDeck<Drive> {
         let drive = &mut self.drive;
         self.camera
             .prepare(settings, |settings| drive.set_settings(settings))?;
+        self.trials.end(TrialEnd::Loaded);
         self.events.clear();
         self.known = InputLevels::GOOD;
         self.inputs = Some(settings.inputs);

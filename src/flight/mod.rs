@@ -1,6 +1,7 @@
 //! The camera in flight: events in, actions out.
 
 pub mod attitude;
+pub mod bring_up;
 pub mod calibration_id;
 pub mod camera;
 mod camera_slot;

@@ -104,9 +104,7 @@ class Link:
 
     def ask(self, kind):
         request, expected = kind
-        header = varint(self.session) + varint(self.sequence)
-        self.board.chip.link.put(packet(bytes([int(VERSION)]) + header + varint(request)))
-        self.sequence += 1
+        self.send(varint(request))
         sent = self.board.chip.link.sent
         for _ in range(round(ANSWER_WITHIN_S / STEP_S)):
             self.board.run(STEP_S)
@@ -120,6 +118,12 @@ class Link:
                     assert reader.number() == expected, answer
                     return reader
         raise AssertionError(f"no answer within {ANSWER_WITHIN_S} s")
+
+    def send(self, request):
+        """Sends a request, as its bytes."""
+        header = varint(self.session) + varint(self.sequence)
+        self.board.chip.link.put(packet(bytes([int(VERSION)]) + header + request))
+        self.sequence += 1
 
     def counters(self):
         reader = self.ask(COUNTERS)

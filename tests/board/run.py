@@ -9,6 +9,7 @@ The image is the one that is flashed, unchanged. TEST is a name as `test_flight`
 import sys
 import unittest
 
+import test_bring_up
 import test_client
 import test_clock
 import test_edges
@@ -20,11 +21,12 @@ import test_shutter
 import test_stack
 import test_start
 import test_store
+import test_vectors
 
 CLASSES = (
     test_start.Start, test_force.Force, test_memory.Memory, test_stack.Stack, test_edges.Edges,
     test_shutter.Shutter, test_clock.Clock, test_store.Store, test_client.Client,
-    test_shake.Shaking, test_flight.TenSeconds,
+    test_vectors.Vectors, test_bring_up.BringUp, test_shake.Shaking, test_flight.TenSeconds,
 )  # fmt: skip
 
 

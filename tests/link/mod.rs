@@ -9,6 +9,7 @@
 )]
 
 mod board;
+mod bring_up;
 mod conversation;
 mod damage;
 #[cfg(feature = "estimation")]
@@ -25,6 +26,8 @@ mod messages;
 pub(crate) mod pc;
 mod refusals;
 mod repeats;
+#[cfg(all(feature = "estimation", feature = "store"))]
+mod schema;
 #[cfg(feature = "store")]
 mod stored;
 #[path = "../../fuzz/targets.rs"]

@@ -108,7 +108,7 @@ fn calibration_that_was_stored_over_the_link_corrects_after_a_start_to_the_same_
         let before = points(&mut pc);
         let stored = record(store(&mut pc, &mut flash, version));
         assert_eq!(pc.event, Some(LinkEvent::Loaded(stored.id)));
-        assert_eq!(stored.id.version, version.into());
+        assert_eq!(stored.id.version, u32::from(version));
         assert_eq!(stored.id.storage, Storage::Stored);
         assert_eq!(stored.origin, origin(version));
         assert!(stored.is_sealed);

@@ -258,8 +258,11 @@ mod tests {
                 "P{pin} is not in docs/board.md"
             );
         }
-        let link = read("src/bin/firmware/board/nucleo_h743zi/link.rs");
-        assert!(link.contains("BAUD: u32 = 921_600;") && document.contains("921,600 baud"));
-        assert!(read("host-sim/src/device/serial.rs").contains("921_600"));
+        let (firmware, program) = (read("build.rs"), read("host-sim/src/device/serial_line.rs"));
+        assert!(firmware.contains("USUAL_BAUD: u32 = 921_600;"));
+        assert!(program.contains(" BAUD: u32 = 921_600;") && document.contains("921,600 baud"));
+        for ends in [&firmware, &program] {
+            assert!(ends.contains("BAUDS: [u32; 2] = [57_600, 3_000_000];"));
+        }
     }
 }

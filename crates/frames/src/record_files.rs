@@ -86,12 +86,7 @@ impl RecordFiles {
     pub fn doubt(&mut self, exposures: &InDoubt) -> usize {
         let before = self.document.in_doubt;
         let is_new = |sequence: u32| {
-            let is_known = before.is_some_and(|before| {
-                before.contains(sequence)
-                    && before.off_mm.abs() >= exposures.off_mm.abs()
-                    && (before.is_fault || !exposures.is_fault)
-            });
-            exposures.contains(sequence) && !is_known
+            exposures.contains(sequence) && !is_held(before.as_ref(), exposures, sequence)
         };
         let mut marked = 0;
         for row in &mut self.document.records {
@@ -126,6 +121,16 @@ impl RecordFiles {
     pub fn write_json(&self, sink: impl Write) -> io::Result<()> {
         self.document.write(sink)
     }
+}
+
+/// Returns `true` if a record whose σ holds the exposures in doubt `before` holds `exposures`, too.
+#[must_use]
+pub fn is_held(before: Option<&InDoubt>, exposures: &InDoubt, sequence: u32) -> bool {
+    before.is_some_and(|before| {
+        before.contains(sequence)
+            && before.off_mm.abs() >= exposures.off_mm.abs()
+            && (before.is_fault || !exposures.is_fault)
+    })
 }
 
 impl RecordDocument {

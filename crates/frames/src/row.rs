@@ -273,6 +273,18 @@ pub fn write_csv(records: &[FrameRecord], sink: impl Write) -> csv::Result<()> {
     write_rows(records.iter().map(Row::<String>::of), sink)
 }
 
+/// Writes the row of a record, to be appended to `records.csv`.
+///
+/// # Errors
+/// Those of the sink.
+pub fn write_row(record: &FrameRecord, sink: impl Write) -> csv::Result<()> {
+    let mut writer = csv::WriterBuilder::new()
+        .has_headers(false)
+        .from_writer(sink);
+    writer.serialize(Row::<String>::of(record))?;
+    Ok(writer.flush()?)
+}
+
 /// Writes rows as `records.csv`.
 pub(crate) fn write_rows(
     rows: impl IntoIterator<Item = impl Serialize>,

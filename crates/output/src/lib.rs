@@ -20,6 +20,7 @@
 
 pub mod error_number;
 pub mod file_set;
+pub mod interruption;
 pub mod part;
 pub mod place;
 pub mod unfinished;

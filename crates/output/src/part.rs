@@ -11,6 +11,8 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
 use hidden::HiddenFile;
+#[cfg(unix)]
+pub(crate) use hidden::handled as handled_signals;
 
 /// A file that is being written: it has its name once it is complete, and is removed otherwise.
 ///
@@ -253,7 +255,7 @@ mod tests {
 
         #[test]
         fn hidden_part_is_removed_by_a_signal_that_ends_the_program_as_it_does_others() {
-            let signals = super::super::hidden::handled();
+            let signals = super::super::handled_signals();
             assert!(!signals.is_empty());
             for signal in signals.into_iter().filter_map(Signal::from_named_raw) {
                 let folder = tempfile::tempdir().unwrap();

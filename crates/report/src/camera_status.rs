@@ -99,7 +99,7 @@ pub fn write_text(
 }
 
 /// Describes the drift of the clock.
-fn clock_line(drift: Option<ClockDrift>) -> String {
+pub(crate) fn clock_line(drift: Option<ClockDrift>) -> String {
     let Some(drift) = drift else {
         return "not measured: no two time pulses a second apart have come".to_owned();
     };

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
+use fmc_camera::flight::bring_up::MAX_JOG_UM;
 
 use super::number::{between, exposure_time};
 use super::{DeviceArgs, DirectionName, VhArgument, examples};
@@ -63,7 +64,58 @@ pub enum CameraAction {
     /// Show what the camera is doing.
     #[command(after_help = examples::CAMERA_STATUS)]
     Status(StatusArgs),
+    /// Show the lines of a board: levels, counts of their edges since the start, position of the
+    /// stage, drift of the clock by the time pulses, last trial. No camera need be loaded.
+    #[command(after_help = examples::CAMERA_INPUTS)]
+    Inputs(StatusArgs),
+    /// Move the stage by some micrometres along the FMC axis, with the default gains, and release
+    /// it.
+    ///
+    /// A trial of a board whose camera is not prepared, as are `duty` and `shutter`. It takes 0.3 s
+    /// at most, and ends where the stage does not follow, a limit switch closes or the supply
+    /// falls.
+    #[command(after_help = examples::CAMERA_JOG)]
+    Jog(JogArgs),
+    /// Drive the motor with a small duty for a short time, and release it.
+    #[command(after_help = examples::CAMERA_DUTY)]
+    Duty(DutyArgs),
+    /// Open the shutter once, and count the edges of its sensor.
+    #[command(after_help = examples::CAMERA_SHUTTER)]
+    Shutter(ShutterArgs),
 }
+
+/// Arguments of `camera jog`.
+#[derive(Debug, Args)]
+pub struct JogArgs {
+    /// Way along the FMC axis, µm, -200 to 200.
+    #[arg(value_name = "UM", value_parser = between(-f64::from(MAX_JOG_UM), f64::from(MAX_JOG_UM)), allow_hyphen_values = true)]
+    pub way_um: f64,
+}
+
+/// Arguments of `camera duty`.
+#[derive(Debug, Args)]
+pub struct DutyArgs {
+    /// Pulse width of the motor, -0.2 to 0.2; positive is along the FMC axis.
+    #[arg(value_name = "DUTY", value_parser = between(-MOST_DUTY, MOST_DUTY), allow_hyphen_values = true)]
+    pub duty: f64,
+    /// Time, s, up to 0.2; it ends earlier where the stage has moved by 0.5 mm.
+    #[arg(long = "for", value_name = "S", value_parser = between(0.0, MOST_DUTY_S), default_value = "0.05", allow_negative_numbers = true)]
+    pub for_s: f64,
+}
+
+/// Arguments of `camera shutter`.
+#[derive(Debug, Args)]
+pub struct ShutterArgs {
+    /// Time from the command to open to the command to close: seconds or a fraction such as 1/200,
+    /// 1/10000 to 1/10.
+    #[arg(value_name = "S", value_parser = exposure_time, allow_hyphen_values = true)]
+    pub exposure: f64,
+}
+
+/// [`MAX_DUTY`](fmc_camera::flight::bring_up::MAX_DUTY), in decimals.
+const MOST_DUTY: f64 = 0.2;
+/// [`MAX_DUTY_S`](fmc_camera::flight::bring_up::MAX_DUTY_S), in decimals.
+const MOST_DUTY_S: f64 = 0.2;
 
 /// Arguments of `camera prepare`.
 #[derive(Debug, Args)]
@@ -114,7 +166,7 @@ pub struct StoreArgs {
     pub json: bool,
 }
 
-/// Arguments of `camera status` and `camera stored`.
+/// Arguments of `camera status`, `camera stored` and `camera inputs`.
 #[derive(Debug, Args)]
 pub struct StatusArgs {
     /// Print JSON.

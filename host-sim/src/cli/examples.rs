@@ -159,7 +159,13 @@ Examples:
 
 pub(super) const RECORDS: &str = "\
 Examples:
-  host-sim records --device serial:/dev/ttyACM0 --out flight";
+  host-sim records --device serial:/dev/ttyACM0 --out flight
+  host-sim records --device serial:/dev/ttyACM0 --follow --out flight";
+
+pub(super) const SERVE: &str = "\
+Examples:
+  host-sim serve --device qemu
+  host-sim serve --device serial:/dev/ttyACM0 --listen 0.0.0.0:4000";
 
 pub(super) const EXPORT: &str = "\
 Examples:
@@ -252,6 +258,24 @@ pub(super) const CAMERA_STORED: &str = "\
 Examples:
   host-sim camera --device serial:/dev/ttyACM0 stored
   host-sim camera --device qemu --flash flash.bin stored --json";
+
+pub(super) const CAMERA_INPUTS: &str = "\
+Examples:
+  host-sim camera --device serial:/dev/ttyACM0 inputs
+  host-sim camera --device serial:/dev/ttyACM0 inputs --json";
+
+pub(super) const CAMERA_JOG: &str = "\
+Examples:
+  host-sim camera --device serial:/dev/ttyACM0 jog 50
+  host-sim camera --device serial:/dev/ttyACM0 jog -50";
+
+pub(super) const CAMERA_DUTY: &str = "\
+Examples:
+  host-sim camera --device serial:/dev/ttyACM0 duty 0.05 --for 0.02";
+
+pub(super) const CAMERA_SHUTTER: &str = "\
+Examples:
+  host-sim camera --device serial:/dev/ttyACM0 shutter 1/100";
 
 pub(super) const CAMERA_STATUS: &str = "\
 Examples:

@@ -49,6 +49,13 @@ pub struct RecordsArgs {
     /// already are not replaced.
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
+    /// Go on while the camera flies: fetch each record as soon as its frame is finished, and print
+    /// a line. Ends with Ctrl-C, where the link is cut, and where the camera is prepared again.
+    ///
+    /// records.csv has a whole row of every record fetched, at any time; the camera forgets a
+    /// record once its row is on the disk. records.json comes at the end.
+    #[arg(long)]
+    pub follow: bool,
     /// Folder of records fetched earlier in this flight; may be given several times.
     ///
     /// If the index mark has shown since then that the encoder was wrong in some of these

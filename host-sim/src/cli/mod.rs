@@ -22,6 +22,7 @@ mod network;
 mod number;
 mod points;
 mod rectify;
+mod serve;
 mod sign;
 mod simulation;
 mod statistics;
@@ -35,7 +36,8 @@ pub use calibration::{
     StaticP2,
 };
 pub use camera::{
-    CameraAction, CameraArgs, ExposureTimeArgs, PrepareArgs, StatusArgs, StoreArgs, VhArgs,
+    CameraAction, CameraArgs, DutyArgs, ExposureTimeArgs, JogArgs, PrepareArgs, ShutterArgs,
+    StatusArgs, StoreArgs, VhArgs,
 };
 pub use camera_file::{CameraFileAction, CameraFileArgs};
 pub use campaign::CampaignArgs;
@@ -58,6 +60,7 @@ pub use rectify::{
     BlockArgs, CentreName, CompressionName, ImageFileArgs, RectifiedImageArgs, RectifyArgs,
     ResamplingName, Shard, WindowArgument,
 };
+pub use serve::ServeArgs;
 pub use sign::{SignAction, SignArgs, SignCalibrationArgs, SignKeyArgs};
 pub use simulation::{BudgetArgs, SmearArgs, StrategyName, StripArgs, SweepArgs};
 pub use statistics::{FaultNumber, StatisticsArgs};
@@ -330,6 +333,15 @@ pub enum Command {
     /// `host-sim records` fetches the records.
     #[command(after_help = examples::CAMERA)]
     Camera(CameraArgs),
+    /// Serve the link of a camera on a TCP port.
+    ///
+    /// Programs in other languages and on other computers reach it there, host-sim by
+    /// `--device tcp:HOST:PORT`: one after the other; while one is connected, others are closed at
+    /// once. The camera is that of --device: this program's own code on a test rig (sil), the
+    /// firmware in QEMU, or a camera on a serial port. It stays as it is between two programs. The
+    /// first line on standard output is its device. Ends with Ctrl-C, and QEMU with it.
+    #[command(after_help = examples::SERVE)]
+    Serve(ServeArgs),
     /// Check a camera file.
     CameraFile(CameraFileArgs),
 }
@@ -364,9 +376,10 @@ pub struct DeviceArgs {
     ///
     /// `sil`: in this program (software in the loop). `qemu` or `qemu:an386`: the firmware, on a
     /// Cortex-M4F in the emulator QEMU. `qemu:an500`: on a Cortex-M7. `serial:PATH`: a camera on a
-    /// serial port, such as `serial:/dev/ttyACM0`. `tcp:HOST:PORT`: a camera whose link another
-    /// program or a converter forwards. Without this option `verify` takes `qemu`, or `sil` where
-    /// there is no QEMU; the other commands take `sil`.
+    /// serial port, such as `serial:/dev/ttyACM0`, at 921,600 baud; `serial:PATH:BAUD` at another
+    /// speed, for which its firmware was built (FMC_LINK_BAUD). `tcp:HOST:PORT`: a camera whose
+    /// link another program or a converter forwards. Without this option `verify` takes `qemu`, or
+    /// `sil` where there is no QEMU; the other commands take `sil`.
     #[arg(long, value_name = "DEVICE")]
     pub device: Option<DeviceName>,
     /// Image of the firmware for QEMU, an ELF file. Without it the variable `FMC_FIRMWARE`, else

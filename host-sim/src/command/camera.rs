@@ -3,6 +3,7 @@
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
+use fmc_camera::flight::bring_up::NotTried;
 use fmc_camera::flight::camera::{Camera, CameraParameters};
 use fmc_camera::flight::controller::Start;
 use fmc_camera::flight::controller::state::State;
@@ -17,7 +18,7 @@ use fmc_camera_file::flight_settings::FlightSettingsFile;
 use fmc_camera_file::number::single;
 use fmc_report::camera_status;
 
-use super::camera_store;
+use super::{bring_up, camera_store};
 use crate::cli::{CameraAction, CameraArgs, DirectionName, PrepareArgs, StatusArgs, VhArgs};
 use crate::device::DeviceError;
 use crate::device::link_error::LinkError;
@@ -75,6 +76,10 @@ pub(super) fn run(args: &CameraArgs) -> Result<(), Failure> {
         CameraAction::Vh(vh) => tell_vh(args, vh),
         CameraAction::Store(store) => camera_store::store(args, store),
         CameraAction::Stored(StatusArgs { json }) => camera_store::stored(args, *json),
+        CameraAction::Inputs(StatusArgs { json }) => bring_up::inputs(args, *json),
+        CameraAction::Jog(jog) => bring_up::jog(args, jog),
+        CameraAction::Duty(duty) => bring_up::duty(args, duty),
+        CameraAction::Shutter(shutter) => bring_up::shutter(args, shutter),
         CameraAction::Status(StatusArgs { json }) => {
             let mut device = args.device.open_flown(Session::Reading)?;
             let status = device.status().map_err(failed)?;
@@ -219,7 +224,7 @@ fn say(status: &Status) -> Result<(), Failure> {
 }
 
 /// Turns an error into a failure, with advice.
-fn failed(error: DeviceError) -> Failure {
+pub(super) fn failed(error: DeviceError) -> Failure {
     let help = match &error {
         DeviceError::NotPrepared => {
             "give it calibration and settings first: `host-sim camera prepare --camera FILE`"
@@ -228,6 +233,12 @@ fn failed(error: DeviceError) -> Failure {
             error: LinkError::Refused { refusal, .. },
             ..
         } => match refusal {
+            Refusal::NotTried(NotTried::Prepared) => {
+                "trials are for a board without a camera: start it again, with its reset button"
+            }
+            Refusal::NotTried(NotTried::LimitSwitch) => {
+                "`host-sim camera inputs` shows the lines; a switch opens its line at the end of the way"
+            }
             Refusal::OnRig => "fly it with `host-sim mission`, which simulates what is around it",
             Refusal::FrameInFlight => "`host-sim camera disarm` comes first",
             Refusal::NoRowClock => {

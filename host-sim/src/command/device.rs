@@ -6,6 +6,7 @@ use std::thread;
 use crate::cli::DeviceArgs;
 use crate::device::qemu::QemuOptions;
 use crate::device::remote::Session;
+use crate::device::served::ServedCamera;
 use crate::device::{
     Device, DeviceError, DeviceName, FlownCamera, FlyingDevice, InProcess, KeepingCamera,
     OpenError, Opener, RecordSource,
@@ -116,6 +117,16 @@ impl DeviceArgs {
     pub(super) fn open_keeping(&self, session: Session) -> Result<Box<dyn KeepingCamera>, Failure> {
         let open = |opener: &Opener, name: &_| opener.open_linked(name, session);
         Ok(self.open_one(KEEPING, open)?)
+    }
+
+    /// Opens a device whose link is served, without a name the camera's code in this process.
+    ///
+    /// # Errors
+    /// [`Failure`] where it cannot be opened.
+    pub(super) fn open_served(&self) -> Result<ServedCamera, Failure> {
+        let name = self.device.as_ref().unwrap_or(&DeviceName::Sil);
+        self.check_options(name)?;
+        Ok(ServedCamera::open(name, &self.opener().qemu)?)
     }
 
     fn open_one<Camera: ?Sized>(

@@ -1,6 +1,7 @@
 //! The commands.
 
 mod block;
+mod bring_up;
 mod budget;
 mod calibrate;
 mod camera;
@@ -24,6 +25,7 @@ mod points;
 mod records;
 mod rectify;
 mod reference;
+mod serve;
 mod sign;
 mod smear;
 mod statistics;
@@ -85,6 +87,7 @@ pub fn run(cli: Cli) -> Result<(), Failure> {
         Command::Certificate(args) => certificate::run(&args),
         Command::Sign(args) => sign::run(&args),
         Command::Camera(args) => camera::run(&args),
+        Command::Serve(args) => serve::run(&args),
         Command::CameraFile(args) => camera_file::run(&args),
     }
 }

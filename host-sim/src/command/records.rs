@@ -1,9 +1,14 @@
 //! `records`: the records of a camera, fetched and stored.
 
+mod following;
+mod growing_files;
+
 use std::fmt::Display;
 use std::io::Write;
+use std::path::PathBuf;
 
 use fmc_camera::flight::frame_record::FrameRecord;
+use fmc_camera::flight::in_doubt::InDoubt;
 use fmc_frames::record_files::{CSV, JSON};
 use fmc_report::records;
 
@@ -25,6 +30,9 @@ pub(super) fn run(args: &RecordsArgs) -> Result<(), Failure> {
     }
     let mut earlier = EarlierRecords::read(&args.earlier)?;
     let mut device = args.device.open_records()?;
+    if args.follow {
+        return following::run(device.as_mut(), &args.out, earlier);
+    }
     let mut recorded: Vec<FrameRecord> = Vec::new();
     let mut next = 0;
     while let Some(record) = device.fetch(next)? {
@@ -51,7 +59,17 @@ pub(super) fn run(args: &RecordsArgs) -> Result<(), Failure> {
     if let Some(last) = recorded.last() {
         device.are_safe(last.sequence)?;
     }
-    if let Some(exposures) = &in_doubt
+    report(&recorded, in_doubt.as_ref(), &earlier, &marked)
+}
+
+/// Prints what has been fetched, and what has been marked in folders of earlier records.
+fn report(
+    recorded: &[FrameRecord],
+    in_doubt: Option<&InDoubt>,
+    earlier: &EarlierRecords,
+    marked: &[(PathBuf, usize)],
+) -> Result<(), Failure> {
+    if let Some(exposures) = in_doubt
         && let Some((from, through)) = earlier.missing(exposures, recorded.first())
     {
         note(format!(
@@ -60,18 +78,18 @@ pub(super) fn run(args: &RecordsArgs) -> Result<(), Failure> {
         ));
     }
     output::write(None, |sink: &mut dyn Write| {
-        match recorded.as_slice() {
+        match recorded {
             [] => writeln!(sink, "no records")?,
-            [first, ..] => writeln!(
+            [first, .., last] | [first @ last] => writeln!(
                 sink,
                 "{} records, of triggers {} to {}, CRC-32 {:08x}",
                 recorded.len(),
                 first.sequence,
-                next - 1,
-                records::crc32(&recorded)
+                last.sequence,
+                records::crc32(recorded)
             )?,
         }
-        for (folder, count) in &marked {
+        for (folder, count) in marked {
             writeln!(
                 sink,
                 "{}: {count} records in doubt, marked",

@@ -298,6 +298,8 @@ const fn name(request: &Request) -> &'static str {
         Request::Instruments => "instruments",
         Request::Store(_) => "store",
         Request::Stored => "stored",
+        Request::Inputs => "inputs",
+        Request::Try(_) => "trial",
         Request::BeginGrid { .. } | Request::GridPart(_) => LOAD_GRID,
     }
 }

@@ -1,10 +1,11 @@
 //! A camera that moves its own stage, in real time and with real events.
 
+use fmc_camera::flight::bring_up::Trial;
 use fmc_camera::flight::camera::CameraParameters;
 use fmc_camera::flight::event::Event;
 use fmc_camera::flight::settings::FlightSettings;
 use fmc_camera::io::instruments::counters::InstrumentCounters;
-use fmc_camera::io::link::message::{Refusal, Status};
+use fmc_camera::io::link::message::{Inputs, Refusal, Status};
 use fmc_camera_file::GridFiles;
 
 use super::link_error::LinkError;
@@ -48,6 +49,18 @@ pub trait FlownCamera {
     /// # Errors
     /// [`DeviceError`] if the link fails.
     fn instruments(&mut self) -> Result<Option<InstrumentCounters>, DeviceError>;
+
+    /// Returns levels of the board's lines, counts of their edges, and the last trial.
+    ///
+    /// # Errors
+    /// [`DeviceError::Link`] for a camera on a test rig.
+    fn inputs(&mut self) -> Result<Inputs, DeviceError>;
+
+    /// Begins a trial of mechanism or shutter.
+    ///
+    /// # Errors
+    /// [`DeviceError::Link`] with the camera's refusal.
+    fn try_out(&mut self, trial: Trial) -> Result<(), DeviceError>;
 }
 
 impl<P: Port> FlownCamera for Remote<P> {
@@ -86,5 +99,14 @@ impl<P: Port> FlownCamera for Remote<P> {
             }) => Ok(None),
             Err(error) => Err(self.failed(error, 0)),
         }
+    }
+
+    fn inputs(&mut self) -> Result<Inputs, DeviceError> {
+        self.client.inputs().map_err(|error| self.of_link(error))
+    }
+
+    fn try_out(&mut self, trial: Trial) -> Result<(), DeviceError> {
+        let begun = self.client.try_out(trial);
+        begun.map_err(|error| self.of_link(error))
     }
 }

@@ -3,6 +3,7 @@
 mod batch;
 pub mod block_port;
 pub mod client;
+mod client_bring_up;
 mod client_flight;
 mod client_frame;
 mod client_store;
@@ -23,6 +24,8 @@ pub mod record_source;
 pub mod remote;
 mod remote_flight;
 pub mod serial;
+pub mod serial_line;
+pub mod served;
 pub mod shared_memory;
 mod sil;
 mod stepper;

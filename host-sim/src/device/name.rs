@@ -1,8 +1,9 @@
 //! Names of devices on the command line.
 
 use std::fmt;
-use std::path::PathBuf;
 use std::str::FromStr;
+
+use super::serial_line::SerialLine;
 
 /// A machine of QEMU that the firmware runs on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -50,7 +51,7 @@ pub enum DeviceName {
     /// The firmware in QEMU.
     Qemu(Machine),
     /// A camera on a serial port.
-    Serial(PathBuf),
+    Serial(SerialLine),
     /// A camera whose link is forwarded over TCP: host and port.
     Tcp(String),
 }
@@ -69,10 +70,10 @@ impl FromStr for DeviceName {
             None if text == "qemu" => Ok(Self::QEMU),
             Some(("qemu", "an386")) => Ok(Self::Qemu(Machine::An386)),
             Some(("qemu", "an500")) => Ok(Self::Qemu(Machine::An500)),
-            Some(("serial", path)) if !path.is_empty() => Ok(Self::Serial(path.into())),
+            Some(("serial", line)) => SerialLine::parse(line).map(Self::Serial),
             Some(("tcp", address)) if is_address(address) => Ok(Self::Tcp(address.to_owned())),
             _ => Err(
-                "not a device; there is: sil, qemu, qemu:an386, qemu:an500, serial:PATH, tcp:HOST:PORT with a port of 1 to 65535"
+                "not a device; there is: sil, qemu, qemu:an386, qemu:an500, serial:PATH, serial:PATH:BAUD, tcp:HOST:PORT with a port of 1 to 65535"
                     .to_owned(),
             ),
         }
@@ -91,7 +92,7 @@ impl fmt::Display for DeviceName {
         match self {
             Self::Sil => f.write_str("sil"),
             Self::Qemu(machine) => write!(f, "qemu:{machine}"),
-            Self::Serial(path) => write!(f, "serial:{}", path.display()),
+            Self::Serial(line) => write!(f, "serial:{line}"),
             Self::Tcp(address) => write!(f, "tcp:{address}"),
         }
     }
@@ -109,6 +110,7 @@ mod tests {
             "qemu:an500",
             "serial:/dev/ttyACM0",
             "serial:COM3",
+            "serial:COM3:115200",
             "tcp:camera.local:4000",
             "tcp:[::1]:65535",
         ] {
@@ -125,7 +127,6 @@ mod tests {
             "qemu:",
             "qemu:an547",
             "serial",
-            "serial:",
             "tcp:1",
             "tcp::4000",
             "tcp:host:",

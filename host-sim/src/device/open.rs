@@ -106,7 +106,7 @@ impl Opener {
         Ok(match name {
             DeviceName::Sil => Box::new(InProcess::default()),
             DeviceName::Qemu(machine) => Box::new(Qemu::start(*machine, &self.qemu)?),
-            DeviceName::Serial(path) => Box::new(serial::connect(path, Session::Whole)?),
+            DeviceName::Serial(line) => Box::new(serial::connect(line, Session::Whole)?),
             DeviceName::Tcp(address) => Box::new(tcp::connect(address, Session::Whole)?),
         })
     }
@@ -122,7 +122,7 @@ impl Opener {
         Ok(match name {
             DeviceName::Sil => Box::new(InProcess::default()),
             DeviceName::Qemu(machine) => Box::new(Qemu::start(*machine, &self.qemu)?),
-            DeviceName::Serial(path) => Box::new(serial::connect(path, Session::Whole)?),
+            DeviceName::Serial(line) => Box::new(serial::connect(line, Session::Whole)?),
             DeviceName::Tcp(address) => Box::new(tcp::connect(address, Session::Whole)?),
         })
     }
@@ -140,7 +140,7 @@ impl Opener {
         Ok(match name {
             DeviceName::Sil => None,
             DeviceName::Qemu(machine) => Some(Box::new(Qemu::start(*machine, &self.qemu)?)),
-            DeviceName::Serial(path) => Some(Box::new(serial::connect(path, session)?)),
+            DeviceName::Serial(line) => Some(Box::new(serial::connect(line, session)?)),
             DeviceName::Tcp(address) => Some(Box::new(tcp::connect(address, session)?)),
         })
     }
@@ -156,7 +156,7 @@ impl Opener {
     ) -> Result<Option<Box<dyn FlownCamera>>, OpenError> {
         Ok(match name {
             DeviceName::Sil | DeviceName::Qemu(_) => None,
-            DeviceName::Serial(path) => Some(Box::new(serial::connect(path, session)?)),
+            DeviceName::Serial(line) => Some(Box::new(serial::connect(line, session)?)),
             DeviceName::Tcp(address) => Some(Box::new(tcp::connect(address, session)?)),
         })
     }

@@ -71,36 +71,11 @@ impl Qemu {
     /// # Errors
     /// [`OpenError`] where there is no QEMU or no image, or the firmware does not answer.
     pub fn start(machine: Machine, options: &QemuOptions) -> Result<Self, OpenError> {
-        let program = machine::find().ok_or_else(|| OpenError::NotHere {
-            reason: format!("{PROGRAM} is not on the search path (PATH)"),
-            help: "cargo xtask verify, which fetches it on Debian and Ubuntu; elsewhere install QEMU 7.2 or later, \
-                   or use --device sil"
-                .to_owned(),
-        })?;
-        let image = Image::find(options.firmware.as_deref())?;
-        let kept = options
-            .flash
-            .as_deref()
-            .map(SharedMemory::kept)
-            .transpose()?;
-        let started =
-            machine::start(&program, machine, &image.path, kept).map_err(DeviceError::Machine)?;
-        let log_wire = started
-            .log
-            .try_clone()
-            .map_err(|error| connection(&error))?;
-        let (log, log_thread) = log::follow(started.log, &image.elf, options.print_log);
-        let mut watch = Watch {
-            process: started.process,
-            log_wire,
-            log,
-            log_thread: Some(log_thread),
-        };
-        let link = TcpPort::new(started.link).map_err(|error| connection(&error))?;
-        let [receiver, autopilot] = started.wires.map(TcpPort::new);
+        let (mut watch, link, wires, memory) = run(machine, options)?;
+        let [receiver, autopilot] = wires.map(TcpPort::new);
         let receiver = receiver.map_err(|error| connection(&error))?;
         let autopilot = autopilot.map_err(|error| connection(&error))?;
-        let ports = BlockPort::all(link, [receiver, autopilot], started.memory);
+        let ports = BlockPort::all(link, [receiver, autopilot], memory);
         let [link, receiver, autopilot] = ports;
         let name = format!("qemu:{machine}");
         let remote =
@@ -134,6 +109,85 @@ impl Qemu {
     #[must_use]
     pub fn log(&self) -> Vec<String> {
         self.watch.log.all()
+    }
+}
+
+/// Starts a machine with the firmware. Returns it with its link, the wires of receiver and
+/// autopilot, and the memory that it shares.
+fn run(
+    machine: Machine,
+    options: &QemuOptions,
+) -> Result<(Watch, TcpPort, [TcpStream; 2], Option<SharedMemory>), OpenError> {
+    let program = machine::find().ok_or_else(|| OpenError::NotHere {
+        reason: format!("{PROGRAM} is not on the search path (PATH)"),
+        help: "cargo xtask verify, which fetches it on Debian and Ubuntu; elsewhere install QEMU 7.2 or later, \
+               or use --device sil"
+            .to_owned(),
+    })?;
+    let image = Image::find(options.firmware.as_deref())?;
+    let kept = options
+        .flash
+        .as_deref()
+        .map(SharedMemory::kept)
+        .transpose()?;
+    let started =
+        machine::start(&program, machine, &image.path, kept).map_err(DeviceError::Machine)?;
+    let log_wire = started
+        .log
+        .try_clone()
+        .map_err(|error| connection(&error))?;
+    let (log, log_thread) = log::follow(started.log, &image.elf, options.print_log);
+    let watch = Watch {
+        process: started.process,
+        log_wire,
+        log,
+        log_thread: Some(log_thread),
+    };
+    let link = TcpPort::new(started.link).map_err(|error| connection(&error))?;
+    Ok((watch, link, started.wires, started.memory))
+}
+
+/// The firmware in QEMU with its link as it is, for others to talk to; ended when this value is
+/// dropped.
+#[derive(Debug)]
+pub struct LinkOfQemu {
+    name: String,
+    link: TcpPort,
+    watch: Watch,
+    /// Open, and silent.
+    _wires: [TcpStream; 2],
+    /// Its flash, whose file is locked until the machine has ended.
+    _memory: Option<SharedMemory>,
+}
+
+impl LinkOfQemu {
+    /// Starts a machine.
+    ///
+    /// # Errors
+    /// [`OpenError`] where there is no QEMU or no image.
+    pub fn start(machine: Machine, options: &QemuOptions) -> Result<Self, OpenError> {
+        let (watch, link, wires, memory) = run(machine, options)?;
+        Ok(Self {
+            name: format!("qemu:{machine}"),
+            link,
+            watch,
+            _wires: wires,
+            _memory: memory,
+        })
+    }
+
+    /// The link.
+    pub const fn link(&mut self) -> &mut TcpPort {
+        &mut self.link
+    }
+
+    /// Says why the link has failed, with the end of the log.
+    #[must_use]
+    pub fn explain(&mut self, error: &io::Error) -> DeviceError {
+        self.watch.explain(DeviceError::Link {
+            device: self.name.clone(),
+            error: LinkError::from(io::Error::from(error.kind())),
+        })
     }
 }
 

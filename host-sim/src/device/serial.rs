@@ -9,14 +9,13 @@ use super::link_error::LinkError;
 use super::open::OpenError;
 use super::port::{self, Port, SEND_WITHIN};
 use super::remote::{Remote, Session};
-
-/// Bits per second: 8 data bits, no parity, one stop bit, no flow control.
-pub const BAUD: u32 = 921_600;
+use super::serial_line::SerialLine;
 
 /// Advice for a port with another device or none.
 const HINTS: &str = "is it the camera's port? Is the camera on and flashed with the firmware of \
                      this program? Are RX and TX crossed, and grounds joined? The link runs at \
-                     921,600 baud, 8N1, without flow control.";
+                     921,600 baud, 8N1, without flow control; for firmware that was built with \
+                     FMC_LINK_BAUD name its speed: serial:PATH:BAUD.";
 
 /// A serial port in the exclusive use of this program.
 pub struct SerialPort {
@@ -34,7 +33,8 @@ impl SerialPort {
     ///
     /// # Errors
     /// [`OpenError::Port`] naming the port, where it is missing, not a serial port, or in use.
-    pub fn open(path: &Path) -> Result<Self, OpenError> {
+    pub fn open(line: &SerialLine) -> Result<Self, OpenError> {
+        let path = line.path.as_path();
         let failed = |what: String, help| OpenError::Port {
             path: path.to_owned(),
             what,
@@ -42,7 +42,7 @@ impl SerialPort {
         };
         check_file(path).map_err(|(what, help)| failed(what, help))?;
         let name = path.to_string_lossy();
-        let port = serialport::new(name, BAUD)
+        let port = serialport::new(name, line.baud)
             .timeout(SEND_WITHIN)
             .open()
             .map_err(|error| match error.kind() {
@@ -106,15 +106,15 @@ impl Port for SerialPort {
 ///
 /// # Errors
 /// [`OpenError::Port`] where the port cannot be opened, or the device on it is not a camera.
-pub fn connect(path: &Path, session: Session) -> Result<Remote<SerialPort>, OpenError> {
-    let port = SerialPort::open(path)?;
-    let name = format!("serial:{}", path.display());
+pub fn connect(line: &SerialLine, session: Session) -> Result<Remote<SerialPort>, OpenError> {
+    let port = SerialPort::open(line)?;
+    let name = format!("serial:{line}");
     Remote::connect(&name, port, session).map_err(|error| match error {
         DeviceError::Link { error, .. }
             if !matches!(error, LinkError::OtherProtocol(_) | LinkError::Closed) =>
         {
             OpenError::Port {
-                path: path.to_owned(),
+                path: line.path.clone(),
                 what: format!("the device on it does not answer as a camera: {error}"),
                 help: Some(HINTS),
             }

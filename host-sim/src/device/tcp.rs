@@ -27,21 +27,32 @@ const HINTS: &str = "is it the camera's link that is forwarded, its bytes unchan
 /// # Errors
 /// [`OpenError::Port`] where nobody answers, or not as a camera.
 pub fn connect(address: &str, session: Session) -> Result<Remote<TcpPort>, OpenError> {
-    let failed = |what: String, help| OpenError::Port {
-        path: PathBuf::from(address),
-        what,
-        help: Some(help),
-    };
-    let port = dial(address)
-        .and_then(TcpPort::new)
-        .map_err(|error| failed(format!("no connection: {error}"), NOBODY))?;
+    let port = open(address)?;
     Remote::connect(&format!("tcp:{address}"), port, session).map_err(|error| match error {
         DeviceError::Link { error, .. } if !matches!(error, LinkError::OtherProtocol(_)) => {
             let what = format!("the device there does not answer as a camera: {error}");
-            failed(what, HINTS)
+            failed(address, what, HINTS)
         }
         other => OpenError::Device(other),
     })
+}
+
+/// Opens the link at an address, as `HOST:PORT`, without asking anything.
+///
+/// # Errors
+/// [`OpenError::Port`] where nobody answers.
+pub fn open(address: &str) -> Result<TcpPort, OpenError> {
+    dial(address)
+        .and_then(TcpPort::new)
+        .map_err(|error| failed(address, format!("no connection: {error}"), NOBODY))
+}
+
+fn failed(address: &str, what: String, help: &'static str) -> OpenError {
+    OpenError::Port {
+        path: PathBuf::from(address),
+        what,
+        help: Some(help),
+    }
 }
 
 /// Tries each address of a host, and returns the last error if none answers.

@@ -11,6 +11,9 @@ mod bad_request;
 #[cfg(test)]
 mod block;
 #[cfg(test)]
+#[cfg(unix)]
+mod bring_up;
+#[cfg(test)]
 mod budget;
 #[cfg(test)]
 mod calibrate_angles;
@@ -64,6 +67,9 @@ mod fake_qemu;
 #[cfg(test)]
 mod flight_block;
 #[cfg(test)]
+#[cfg(unix)]
+mod following;
+#[cfg(test)]
 mod frames;
 #[cfg(test)]
 mod gpu_mesh;
@@ -106,6 +112,9 @@ mod rectify;
 #[cfg(test)]
 #[cfg(unix)]
 mod serial;
+#[cfg(test)]
+#[cfg(unix)]
+mod serve;
 #[cfg(test)]
 mod sign;
 mod smear;

@@ -19,6 +19,9 @@ mod mission;
 mod program;
 #[cfg(test)]
 #[cfg(unix)]
+mod served;
+#[cfg(test)]
+#[cfg(unix)]
 mod store;
 #[cfg(test)]
 mod wire;

@@ -32,6 +32,24 @@ impl<Drive: FmcDrive, Enable: OutputPin> EnabledDrive<Drive, Enable> {
         enabled.release();
         enabled
     }
+
+    /// Lets the drive put force on the stage.
+    fn power(&mut self, force: impl FnOnce(&mut Drive) -> Result<(), Fault>) -> Result<(), Fault> {
+        if core::mem::take(&mut self.release_failed) {
+            self.release();
+            return Err(Fault::Drive);
+        }
+        let forced = force(&mut self.drive);
+        // The pin goes high after the new duty is set, so that the old one never acts.
+        let enabled = match forced {
+            Ok(()) => self.enable.set_high().map_err(|_| Fault::Drive),
+            Err(fault) => Err(fault),
+        };
+        if enabled.is_err() {
+            self.release();
+        }
+        enabled
+    }
 }
 
 impl<Drive: FmcDrive, Enable: OutputPin> FmcDrive for EnabledDrive<Drive, Enable> {
@@ -44,20 +62,7 @@ impl<Drive: FmcDrive, Enable: OutputPin> FmcDrive for EnabledDrive<Drive, Enable
     }
 
     fn follow(&mut self, now: Time, setpoint: Setpoint) -> Result<(), Fault> {
-        if core::mem::take(&mut self.release_failed) {
-            self.release();
-            return Err(Fault::Drive);
-        }
-        let followed = self.drive.follow(now, setpoint);
-        // The pin goes high after the new duty is set, so that the old one never acts.
-        let enabled = match followed {
-            Ok(()) => self.enable.set_high().map_err(|_| Fault::Drive),
-            Err(fault) => Err(fault),
-        };
-        if enabled.is_err() {
-            self.release();
-        }
-        enabled
+        self.power(|drive| drive.follow(now, setpoint))
     }
 
     fn release(&mut self) {
@@ -70,6 +75,10 @@ impl<Drive: FlownDrive, Enable: OutputPin> FlownDrive for EnabledDrive<Drive, En
     fn set_settings(&mut self, settings: DriveSettings) -> Result<(), OutOfRange> {
         self.release();
         self.drive.set_settings(settings)
+    }
+
+    fn push(&mut self, now: Time, duty: f32) -> Result<(), Fault> {
+        self.power(|drive| drive.push(now, duty))
     }
 
     fn set_reference(&mut self) {

@@ -2,6 +2,8 @@
 
 use super::FmcDrive;
 use super::settings::DriveSettings;
+use crate::flight::fault::Fault;
+use crate::flight::time::Time;
 use crate::geometry::range::OutOfRange;
 
 /// A mechanism that is built in: it takes the settings of each flight, and its zero at the stage's
@@ -18,6 +20,18 @@ pub trait FlownDrive: FmcDrive {
         let _ = settings;
         self.release();
         Ok(())
+    }
+
+    /// Drives the motor with a duty, -1 to 1, positive along the FMC axis, for trials of a board
+    /// ([`Trial`](crate::flight::bring_up::Trial)); until the next call or a release. A mechanism
+    /// without a motor of its own keeps this default.
+    ///
+    /// # Errors
+    /// [`Fault::Drive`] where the duty cannot be set; the stage is released then.
+    fn push(&mut self, now: Time, duty: f32) -> Result<(), Fault> {
+        let _ = (now, duty);
+        self.release();
+        Err(Fault::Drive)
     }
 
     /// Takes the present position of the stage as the calibrated one.

@@ -233,6 +233,17 @@ where
         self.set_settings(settings)
     }
 
+    fn push(&mut self, now: Time, duty: f32) -> Result<(), Fault> {
+        if core::mem::take(&mut self.release_failed) {
+            self.release();
+            return Err(Fault::Drive);
+        }
+        // A set point that follows begins afresh.
+        self.velocity_loop.restart();
+        self.followed = Some(now);
+        self.drive(duty).inspect_err(|_| self.release())
+    }
+
     fn set_reference(&mut self) {
         self.set_position(0);
     }

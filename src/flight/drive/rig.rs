@@ -150,6 +150,10 @@ impl FlownDrive for RigDrive {
         self.drive.set_settings(settings)
     }
 
+    fn push(&mut self, now: Time, duty: f32) -> Result<(), Fault> {
+        self.drive.push(now, duty)
+    }
+
     fn set_reference(&mut self) {
         self.drive.set_position(0);
     }

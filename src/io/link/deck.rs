@@ -1,7 +1,8 @@
 //! Deck of the link: a camera on a test rig, or that of a board ([`FlownDeck`]).
 
 use super::digest;
-use super::message::{self, FetchedRecord, Refusal, Status};
+use super::message::{self, FetchedRecord, Inputs, Refusal, Status};
+use crate::flight::bring_up::Trial;
 use crate::flight::camera::{self, Camera};
 use crate::flight::clock_drift::ClockDrift;
 use crate::flight::controller::{Controller, ControllerError, Start};
@@ -9,6 +10,7 @@ use crate::flight::drive::flown_drive::FlownDrive;
 use crate::flight::event::Event;
 use crate::flight::flown_deck::{FlownDeck, NotFlyable, NotTaken};
 use crate::flight::frame_record::{FrameRecord, Outcome, Reason};
+use crate::flight::input_levels::InputLevels;
 use crate::flight::rig::{Rig, RigAnswer, RigStep};
 use crate::flight::settings::FlightSettings;
 use crate::io::instruments::{Instruments, Wire, WireBytes};
@@ -67,6 +69,20 @@ pub trait FlightDeck {
     /// The wires of receiver and autopilot; `None` for a camera without them.
     fn instruments(&self) -> Option<&Instruments> {
         None
+    }
+
+    /// Lines of the board; `None` on a test rig.
+    fn inputs(&self) -> Option<Inputs> {
+        None
+    }
+
+    /// Begins a trial of mechanism or shutter.
+    ///
+    /// # Errors
+    /// [`Refusal::OnRig`] on a test rig; [`Refusal::NotTried`].
+    fn try_out(&mut self, trial: Trial) -> Result<(), Refusal> {
+        let _ = trial;
+        Err(Refusal::OnRig)
     }
 
     /// Takes an event from a message, now.
@@ -217,6 +233,28 @@ impl<Drive: FlownDrive> FlightDeck for FlownDeck<Drive> {
         _: &mut RigAnswer,
     ) -> Option<Result<(), Refusal>> {
         None
+    }
+
+    fn inputs(&self) -> Option<Inputs> {
+        let InputLevels {
+            limit_low,
+            limit_high,
+            supply_low,
+        } = self.seen();
+        Some(Inputs {
+            lines: self.lines(),
+            limit_low,
+            limit_high,
+            supply_low,
+            edges: self.edges(),
+            offset_mm: self.offset_mm(),
+            clock_drift: self.clock_drift(),
+            trial: self.trial(),
+        })
+    }
+
+    fn try_out(&mut self, trial: Trial) -> Result<(), Refusal> {
+        Self::try_out(self, trial).map_err(Refusal::NotTried)
     }
 
     fn tell(&mut self, event: Event) -> Result<(), Refusal> {

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::packet::Packet;
 pub use super::refusal::Refusal;
 use super::{MAX_GRID_PART, MAX_OBSERVATIONS, MAX_PART, MAX_POINTS, PROTOCOL_VERSION};
+use crate::flight::bring_up::{EdgeCounts, LineLevels, Trial, TrialReport};
 use crate::flight::calibration_id::CalibrationId;
 use crate::flight::clock_drift::ClockDrift;
 use crate::flight::controller::state::State;
@@ -131,7 +132,8 @@ pub enum Request {
     GridPart(Part<MAX_GRID_PART>),
     /// Opens a session for reading beside the open one, which goes on; ends another for reading. It
     /// takes [`Self::Counters`], [`Self::Instruments`], [`Self::Status`], [`Self::FrameRecord`],
-    /// [`Self::Acknowledge`] and [`Self::Stored`], in any order and as often as wanted.
+    /// [`Self::Acknowledge`], [`Self::Stored`] and [`Self::Inputs`], in any order and as often as
+    /// wanted.
     ConnectReading,
     /// Stores the calibration in use, with its residual grids, under this origin and signature: in
     /// standby alone, with the supply good, and while no record is left unacknowledged. A camera
@@ -140,6 +142,12 @@ pub enum Request {
     Store(StoreOrder),
     /// Reads what is stored, as the start has found it or the last store has left it.
     Stored,
+    /// Reads levels of the lines, counts of their edges, and the last trial: also before a camera
+    /// is loaded.
+    Inputs,
+    /// Tries mechanism or shutter, bounded in size and time, on a camera that is not prepared
+    /// ([`bring_up`](crate::flight::bring_up)). [`Self::Inputs`] tells what comes of it.
+    Try(Trial),
 }
 
 /// Way in which a camera is started again or switched off.
@@ -212,6 +220,29 @@ pub enum Answer {
     GridLoaded(GridCarrier),
     /// The calibration that is stored, or what is wrong with either slot.
     Stored(Result<StoredIdentity, NothingStored>),
+    /// Levels of the lines, counts of their edges, and the last trial.
+    Inputs(Inputs),
+}
+
+/// Lines of a board, for its bring-up.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Inputs {
+    /// Levels of the lines; `None` for a board that does not tell them.
+    pub lines: Option<LineLevels>,
+    /// `true` if the limit switch at the negative end counts as closed.
+    pub limit_low: bool,
+    /// `true` if the one at the positive end does.
+    pub limit_high: bool,
+    /// `true` if the supply is low.
+    pub supply_low: bool,
+    /// Counts of edges since the start.
+    pub edges: EdgeCounts,
+    /// Position of the stage, mm from the encoder's zero; `None` without a reading.
+    pub offset_mm: Option<f32>,
+    /// Drift of the camera's clock by the time pulses; `None` before it is measured.
+    pub clock_drift: Option<ClockDrift>,
+    /// The last trial, which may be under way; `None` before the first.
+    pub trial: Option<TrialReport>,
 }
 
 /// The reason why the camera runs.

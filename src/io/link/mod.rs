@@ -27,9 +27,9 @@
 //! so that the PC may repeat a request that was not answered; any other number is refused.
 //!
 //! A [`message::Request::ConnectReading`] opens a second session beside it, for reading alone:
-//! status, counters, what is stored, and frame records with their acknowledgement. It ends neither
-//! session nor flight of the other. Its requests may be repeated, so that they are answered anew,
-//! whatever their numbers.
+//! status, counters, inputs, what is stored, and frame records with their acknowledgement. It ends
+//! neither session nor flight of the other. Its requests may be repeated, so that they are answered
+//! anew, whatever their numbers.
 //!
 //! The camera acts only on a whole packet with the right CRC, of this version, that decodes to its
 //! last byte, from the open session and in order. Everything else is counted
@@ -58,7 +58,7 @@ mod storing;
 pub mod wired_deck;
 
 /// Version of packets and messages. It changes whenever a message does.
-pub const PROTOCOL_VERSION: u8 = 8;
+pub const PROTOCOL_VERSION: u8 = 9;
 
 /// Number of points in one message; every buffer's size follows from it.
 pub const MAX_POINTS: usize = 64;

@@ -5,6 +5,7 @@ use core::fmt;
 use serde::{Deserialize, Serialize};
 
 use super::{CALIBRATION_CAPACITY, MAX_POINTS};
+use crate::flight::bring_up::NotTried;
 use crate::flight::camera::FrameError;
 use crate::flight::controller::state::State;
 use crate::flight::grid_memory::GridMemoryError;
@@ -157,6 +158,10 @@ pub enum Refusal {
     SupplyLow,
     /// The calibration in use is not stored.
     NotStored(NotStored),
+    /// The camera is on a test rig, which has no lines.
+    NoInputs,
+    /// The trial is refused.
+    NotTried(NotTried),
 }
 
 impl fmt::Display for Refusal {
@@ -244,6 +249,8 @@ impl fmt::Display for Refusal {
             Self::PolynomialMesh => f.write_str(
                 "vertices of the recorded image cannot be drawn with residual grids: take sources",
             ),
+            Self::NoInputs => f.write_str("it is on a test rig, which has no lines"),
+            Self::NotTried(error) => error.fmt(f),
         }
     }
 }

@@ -249,6 +249,7 @@ impl<Deck: FlightDeck> Responder<Deck> {
             | Request::FrameRecord(_)
             | Request::Acknowledge(_)
             | Request::Stored
+            | Request::Inputs
             | Request::Status => self.read(request)?,
             Request::Flown => {
                 let (sequence, frame) = deck::latest(&self.deck).ok_or(Refusal::NoFrame)?;
@@ -257,6 +258,10 @@ impl<Deck: FlightDeck> Responder<Deck> {
             }
             Request::Tell(event) => {
                 self.deck.tell(*event)?;
+                Answer::Told
+            }
+            Request::Try(trial) => {
+                self.deck.try_out(*trial)?;
                 Answer::Told
             }
         };
@@ -297,6 +302,7 @@ impl<Deck: FlightDeck> Responder<Deck> {
             }
             Request::Status => Answer::Status(deck::status(&self.deck)?),
             Request::Stored => self.shelf.tell()?,
+            Request::Inputs => Answer::Inputs(self.deck.inputs().ok_or(Refusal::NoInputs)?),
             _ => return Err(Refusal::ReadingOnly),
         })
     }

@@ -1,7 +1,8 @@
 //! The camera of a board to which wires of receiver and autopilot lead.
 
 use super::deck::FlightDeck;
-use super::message::Refusal;
+use super::message::{Inputs, Refusal};
+use crate::flight::bring_up::Trial;
 use crate::flight::camera::Camera;
 use crate::flight::clock_drift::ClockDrift;
 use crate::flight::control_loop::RoundActions;
@@ -104,6 +105,14 @@ impl<Drive: FlownDrive> FlightDeck for WiredDeck<Drive> {
 
     fn instruments(&self) -> Option<&Instruments> {
         Some(&self.instruments)
+    }
+
+    fn inputs(&self) -> Option<Inputs> {
+        FlightDeck::inputs(&self.flown)
+    }
+
+    fn try_out(&mut self, trial: Trial) -> Result<(), Refusal> {
+        FlightDeck::try_out(&mut self.flown, trial)
     }
 
     fn tell(&mut self, event: Event) -> Result<(), Refusal> {

@@ -6,18 +6,15 @@
 //! cargo test -p hil -- --ignored
 //! ```
 
-use std::{
-    env,
-    path::{Path, PathBuf},
-    thread,
-    time::Duration,
-};
+use std::{env, path::PathBuf, thread, time::Duration};
 
 use anyhow::{Context as _, Result, ensure};
 use fmc_camera::{
     Brown, CalibrationParameters, CameraParameters, Exposure, io::link::message::Grid,
 };
-use host_sim::device::{CorrectingDevice as _, Device as _, remote, serial};
+use host_sim::device::{
+    CorrectingDevice as _, Device as _, remote, serial, serial_line::SerialLine,
+};
 use probe_rs::{
     CoreStatus, MemoryInterface as _, Session, SessionConfig,
     flashing::{ElfLoader, ElfOptions, download_file},
@@ -61,12 +58,12 @@ fn image_runs_without_restart_and_computes_as_this_pc() -> Result<()> {
         running_us > WITHOUT_RESTART_US,
         "{WATCHED:?} after its reset the firmware counts {running_us} µs: it keeps restarting"
     );
-    computes_as_this_pc(Path::new(&port))
+    computes_as_this_pc(&SerialLine::parse(&port).map_err(anyhow::Error::msg)?)
 }
 
 /// Checks a frame and a grid over the sensor: the camera's own answers must have the bits of its
 /// code on this PC.
-fn computes_as_this_pc(port: &Path) -> Result<()> {
+fn computes_as_this_pc(port: &SerialLine) -> Result<()> {
     let mut camera = serial::connect(port, remote::Session::Whole)?;
     let lens = CalibrationParameters {
         distortion: Brown {

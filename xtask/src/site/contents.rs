@@ -15,6 +15,7 @@ pub(super) const CONTENTS: &[Entry] = &[
     Part("In the camera"),
     Page("Integration", "docs/integration.md"),
     Page("A board", "docs/board.md"),
+    Page("The link", "docs/link.md"),
     Page("A calibration in flash", "docs/store.md"),
     Page("Load of the control loop", "docs/control_loop.md"),
     Page("The camera in C", "docs/c.md"),

@@ -134,8 +134,8 @@ pub(super) fn remove_abandoned(folder: &Path) -> io::Result<()> {
     Ok(())
 }
 
-#[cfg(all(test, unix))]
-pub(super) use signals::handled;
+#[cfg(unix)]
+pub(crate) use signals::handled;
 
 #[cfg(unix)]
 mod signals {
@@ -172,7 +172,7 @@ mod signals {
 
     /// Signals that the program's caller has not told it to ignore, as `nohup` does, and a shell
     /// for a command in the background.
-    pub(in crate::part) fn handled() -> Vec<i32> {
+    pub(crate) fn handled() -> Vec<i32> {
         let status = fs::read_to_string("/proc/self/status");
         let ignored = status.ok().as_deref().and_then(ignored);
         match ignored {

@@ -8,7 +8,7 @@ use fmc_camera::flight::frame_record::FrameRecord;
 use fmc_camera::flight::in_doubt::InDoubt;
 use fmc_frames::record_files::RecordDocument;
 use fmc_frames::row::Row;
-pub use fmc_frames::row::write_csv;
+pub use fmc_frames::row::{write_csv, write_row};
 
 /// Meaning of a record's numbers, for readers of the file without this program.
 const CONVENTIONS: [&str; 6] = [

@@ -10,7 +10,7 @@ use fmc_camera::flight::{
 
 use crate::journal;
 
-use super::{Deck, captures, clock, force, inputs::Inputs, shutter, wires};
+use super::{Deck, captures, clock, force, inputs, inputs::Inputs, shutter, wires};
 
 /// Time from one round to the next, µs.
 const ROUND_US: u32 = 1000;
@@ -45,6 +45,7 @@ pub(super) fn turn(time: &mut DisciplinedClock, inputs: &Inputs, deck: &mut Deck
     }
     captures::hand_over(time, deck.flown_mut());
     deck.flown_mut().see(inputs.levels());
+    deck.flown_mut().note_lines(inputs::lines());
     wires::hand_over(deck);
     let now_us = clock::now_us();
     GUARD.come_round(now_us);

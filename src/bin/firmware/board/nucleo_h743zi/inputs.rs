@@ -4,10 +4,11 @@
 use embassy_stm32::{
     Peri,
     gpio::{Input, Pull},
-    pac::{self, timer::vals::FilterValue},
+    pac::{self, gpio::Gpio, timer::vals::FilterValue},
     peripherals::{PC8, PC9},
 };
 use fmc_camera::flight::{
+    bring_up::LineLevels,
     input_filter::filter_code,
     input_levels::InputLevels,
     input_settings::{InputSettings, LimitLevel},
@@ -60,6 +61,28 @@ impl Inputs {
             limit_high: is_end(LIMIT_HIGH),
             supply_low: force::take_supply_break() || pac::PWR.csr1().read().pvdo(),
         }
+    }
+}
+
+/// Returns the levels of all lines, those of the timers as well.
+pub(super) fn lines() -> LineLevels {
+    let port = |port: Gpio| {
+        let levels = port.idr().read().0;
+        move |line: u32| levels.wrapping_shr(line) & 1 != 0
+    };
+    let (a, b, c) = (port(pac::GPIOA), port(pac::GPIOB), port(pac::GPIOC));
+    let (d, e) = (port(pac::GPIOD), port(pac::GPIOE));
+    LineLevels {
+        trigger: a(0),
+        time_pulse: b(3),
+        shutter_opened: b(10),
+        shutter_closed: b(11),
+        index: d(14),
+        encoder_a: d(12),
+        encoder_b: d(13),
+        limit_low: c(8),
+        limit_high: c(9),
+        brake: e(15),
     }
 }
 

@@ -13,9 +13,12 @@ use embassy_stm32::{
 use super::super::receive_ring::ReceiveRing;
 use super::clock;
 
-/// Speed of the link. The nearest divider of 100 MHz errs by 0.5 %, a small part of a receiver's
-/// tolerance, and every operating system offers this speed by name.
-const BAUD: u32 = 921_600;
+/// Speed of the link, of the build's setting `FMC_LINK_BAUD`; `build.rs` has the usual one, whose
+/// nearest divider of 100 MHz errs by 0.5 %, and which every operating system offers by name.
+const BAUD: u32 = match u32::from_str_radix(env!("FMC_LINK_BAUD"), 10) {
+    Ok(baud) => baud,
+    Err(_) => 0,
+};
 
 /// Number of looks at the transmitter within which the last byte may leave before a reset.
 const LOOKS_AT_THE_END: u32 = 100_000;
@@ -24,6 +27,9 @@ const LOOKS_AT_THE_END: u32 = 100_000;
 const DIVIDER: u16 = {
     let divider = (clock::PERIPHERAL_HZ + BAUD / 2) / BAUD;
     assert!(divider >= 16 && divider <= u16::MAX as u32);
+    let exact_per_mille = clock::PERIPHERAL_HZ / divider * 1000 / BAUD;
+    // A receiver bears about 3 %, of both ends together.
+    assert!(exact_per_mille >= 985 && exact_per_mille <= 1015);
     divider as u16
 };
 
