@@ -377,7 +377,7 @@ pub struct DeviceArgs {
     /// `sil`: in this program (software in the loop). `qemu` or `qemu:an386`: the firmware, on a
     /// Cortex-M4F in the emulator QEMU. `qemu:an500`: on a Cortex-M7. `serial:PATH`: a camera on a
     /// serial port, such as `serial:/dev/ttyACM0`, at 921,600 baud; `serial:PATH:BAUD` at another
-    /// speed, for which its firmware was built (FMC_LINK_BAUD). `tcp:HOST:PORT`: a camera whose
+    /// speed, for which its firmware was built (`FMC_LINK_BAUD`). `tcp:HOST:PORT`: a camera whose
     /// link another program or a converter forwards. Without this option `verify` takes `qemu`, or
     /// `sil` where there is no QEMU; the other commands take `sil`.
     #[arg(long, value_name = "DEVICE")]
