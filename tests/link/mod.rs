@@ -25,6 +25,7 @@ mod messages;
 pub(crate) mod pc;
 mod refusals;
 mod repeats;
+mod resets;
 #[cfg(feature = "store")]
 mod stored;
 #[path = "../../fuzz/targets.rs"]

@@ -37,9 +37,11 @@ use self::{
 };
 use fmc_camera::flight::{disciplined_clock::DisciplinedClock, flown_deck::FlownDeck};
 use fmc_camera::io::instruments::Instruments;
-use fmc_camera::io::link::{message::ResetCause, wired_deck::WiredDeck};
+use fmc_camera::io::link::{
+    flight_memory::FlightMemory, message::ResetCause, wired_deck::WiredDeck,
+};
 
-use super::{cause, memory_guard};
+use super::{cause, flight_memory, memory_guard};
 
 pub(super) use self::{
     clock::now_us, fault::stop_after_fault, fault::stop_after_panic, log::carry_log,
@@ -122,6 +124,11 @@ impl Board {
         };
         control_loop::start(&mut core.SYST);
         Some((board, start))
+    }
+
+    /// Returns the memory that a reset leaves alone, once.
+    pub(crate) fn flight_memory(start: ResetCause) -> &'static FlightMemory {
+        flight_memory::find(start)
     }
 
     /// Returns the camera on this board's pins, not prepared.

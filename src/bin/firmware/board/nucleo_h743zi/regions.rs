@@ -8,13 +8,15 @@ const READ_ONLY: u32 = 0b110 << 24;
 /// As the default map has flash (written through) and memory (written back, allocated).
 const FLASH: u32 = 1 << 17;
 const MEMORY: u32 = 1 << 19 | 1 << 17 | 1 << 16;
+/// Memory that is not cached: what is written is there after a reset.
+const UNCACHED: u32 = 1 << 19;
 
 /// Eighths of the address space that stay as they are: memories and peripherals of the chip below
 /// `0x6000_0000`, and the processor's own registers above `0xE000_0000`.
 const CHIP: u32 = 0b1000_0111 << 8;
 
 /// Addresses and attributes.
-pub(super) const REGIONS: [(u32, u32); 4] = [
+pub(super) const REGIONS: [(u32, u32); 5] = [
     // No memory is connected outside, and the processor must not look for it either.
     (0, NO_ACCESS | NO_CODE | CHIP | size(1 << 32)),
     // Null pointers, and jumps through them: the memory there is not used.
@@ -23,4 +25,9 @@ pub(super) const REGIONS: [(u32, u32); 4] = [
     (0x0800_0000, READ_ONLY | FLASH | size(1 << 20)),
     // Data are never executed.
     (0x2000_0000, ALL_ACCESS | NO_CODE | MEMORY | size(512 << 20)),
+    // The flight that outlives a reset.
+    (
+        0x2400_0000,
+        ALL_ACCESS | NO_CODE | UNCACHED | size(16 << 10),
+    ),
 ];
