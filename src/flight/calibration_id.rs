@@ -39,7 +39,8 @@ impl fmt::Display for CalibrationId {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Storage {
-    /// In memory alone: gone at the next restart.
+    /// In memory alone: gone with the supply, or at the next restart while the camera is not
+    /// prepared.
     Volatile,
     /// In the board's own store, from which its firmware loads it at the start.
     Stored,

@@ -2,6 +2,8 @@
 
 use core::fmt;
 
+#[cfg(feature = "link")]
+use super::calibration_id::CalibrationId;
 use super::camera::Camera;
 use super::controller::{Controller, ControllerError, Preparation, Setup, Start, checked};
 use super::drive::settings::DriveSettings;
@@ -22,6 +24,9 @@ pub(crate) struct CameraSlot {
     /// Controller, made in its place at the first flight, so that a deck without one is moved
     /// without it.
     controller: Option<Controller>,
+    /// The controller has the records of a flight that a reset has ended, and that cannot go on.
+    #[cfg(feature = "link")]
+    holds_records: bool,
 }
 
 impl CameraSlot {
@@ -32,6 +37,8 @@ impl CameraSlot {
             camera: None,
             preparation: None,
             controller: None,
+            #[cfg(feature = "link")]
+            holds_records: false,
         }
     }
 
@@ -40,6 +47,12 @@ impl CameraSlot {
     pub(crate) fn load(&mut self, camera: Camera) {
         self.start = self.next_start();
         self.preparation = None;
+        #[cfg(feature = "link")]
+        if core::mem::take(&mut self.holds_records)
+            && let Some(controller) = &mut self.controller
+        {
+            controller.forget_records();
+        }
         self.camera = Some(camera);
     }
 
@@ -59,6 +72,32 @@ impl CameraSlot {
         set_drive: impl FnOnce(DriveSettings) -> Result<(), OutOfRange>,
     ) -> Result<(), NotFlyable> {
         let start = self.next_start();
+        self.prepare_after(start, settings, set_drive)
+    }
+
+    /// As [`Self::prepare`], for the flight that a reset has ended.
+    #[cfg(feature = "link")]
+    pub(crate) fn prepare_after_reset(
+        &mut self,
+        settings: &FlightSettings,
+        flies_on: bool,
+        set_drive: impl FnOnce(DriveSettings) -> Result<(), OutOfRange>,
+    ) -> Result<(), NotFlyable> {
+        let start = if flies_on {
+            Start::FliesOn
+        } else {
+            self.next_start()
+        };
+        self.prepare_after(start, settings, set_drive)
+    }
+
+    /// As [`Self::prepare`], after a start of the camera.
+    fn prepare_after(
+        &mut self,
+        start: Start,
+        settings: &FlightSettings,
+        set_drive: impl FnOnce(DriveSettings) -> Result<(), OutOfRange>,
+    ) -> Result<(), NotFlyable> {
         let camera = self.camera.as_ref().ok_or(NotFlyable::NoCamera)?;
         let settings = checked(camera, settings).map_err(NotFlyable::Controller)?;
         set_drive(settings.drive)
@@ -66,8 +105,40 @@ impl CameraSlot {
         let preparation = self.preparation.insert(Preparation::new(camera, &settings));
         let controller = self.controller.get_or_insert_with(Controller::new);
         controller.restart(&preparation.of(camera), start);
-        self.start = start;
+        self.start = match start {
+            // The next flight does not go on from one before it.
+            Start::FliesOn => Start::AfterWatchdog,
+            other => other,
+        };
+        #[cfg(feature = "link")]
+        {
+            self.holds_records = false;
+        }
         Ok(())
+    }
+
+    /// Makes room for the records of a flight with this calibration, which a reset has ended and
+    /// which cannot go on.
+    #[cfg(feature = "link")]
+    pub(crate) fn hold_records(&mut self, calibration: CalibrationId) {
+        let controller = self.controller.get_or_insert_with(Controller::new);
+        controller.hold(calibration);
+        self.holds_records = true;
+    }
+
+    /// The controller that has records; `None` before the camera is prepared, unless it holds those
+    /// of a flight before.
+    #[cfg(feature = "link")]
+    pub(crate) fn record_holder(&self) -> Option<&Controller> {
+        let has_records = self.preparation.is_some() || self.holds_records;
+        self.controller.as_ref().filter(|_| has_records)
+    }
+
+    /// The same, to acknowledge records.
+    #[cfg(feature = "link")]
+    pub(crate) fn record_holder_mut(&mut self) -> Option<&mut Controller> {
+        let has_records = self.preparation.is_some() || self.holds_records;
+        self.controller.as_mut().filter(|_| has_records)
     }
 
     /// Returns the start of a flight after the one in the slot; faults that have not been cleared

@@ -3,6 +3,8 @@
 use core::fmt;
 
 use super::bring_up::{EdgeCounts, LineLevels, NotTried, Trial, TrialEnd, TrialReport, Trials};
+#[cfg(feature = "link")]
+use super::calibration_id::CalibrationId;
 use super::camera::Camera;
 use super::camera_slot::CameraSlot;
 pub use super::camera_slot::NotFlyable;
@@ -278,18 +280,64 @@ impl<Drive: FlownDrive> FlownDeck<Drive> {
     /// # Errors
     /// [`NotFlyable`]; an earlier flight goes on then.
     pub fn prepare(&mut self, settings: &FlightSettings) -> Result<(), NotFlyable> {
+        self.check_rows()?;
+        let drive = &mut self.drive;
+        self.camera
+            .prepare(settings, |settings| drive.set_settings(settings))?;
+        self.begin(settings);
+        Ok(())
+    }
+
+    /// As [`Self::prepare`], for the flight that a reset has ended.
+    #[cfg(feature = "link")]
+    pub(crate) fn prepare_after_reset(
+        &mut self,
+        settings: &FlightSettings,
+        flies_on: bool,
+    ) -> Result<(), NotFlyable> {
+        self.check_rows()?;
+        let drive = &mut self.drive;
+        let set_drive = |settings| drive.set_settings(settings);
+        let camera = &mut self.camera;
+        camera.prepare_after_reset(settings, flies_on, set_drive)?;
+        self.begin(settings);
+        Ok(())
+    }
+
+    /// Checks that the board can clock the rows of a TDI sensor, if the camera has one.
+    fn check_rows(&self) -> Result<(), NotFlyable> {
         let has_rows = |camera: &Camera| !camera.has_stage();
         if !self.has_row_clock && self.camera().is_some_and(has_rows) {
             return Err(NotFlyable::NoRowClock);
         }
-        let drive = &mut self.drive;
-        self.camera
-            .prepare(settings, |settings| drive.set_settings(settings))?;
+        Ok(())
+    }
+
+    /// Begins a flight.
+    fn begin(&mut self, settings: &FlightSettings) {
         self.trials.end(TrialEnd::Loaded);
         self.events.clear();
         self.known = InputLevels::GOOD;
         self.inputs = Some(settings.inputs);
-        Ok(())
+    }
+
+    /// Makes room for the records of a flight that a reset has ended, in a camera that cannot be
+    /// prepared for it again.
+    #[cfg(feature = "link")]
+    pub(crate) fn hold_records(&mut self, calibration: CalibrationId) {
+        self.camera.hold_records(calibration);
+    }
+
+    /// The controller that has records, of a camera that is prepared or not.
+    #[cfg(feature = "link")]
+    pub(crate) fn record_holder(&self) -> Option<&Controller> {
+        self.camera.record_holder()
+    }
+
+    /// The same, to acknowledge records.
+    #[cfg(feature = "link")]
+    pub(crate) fn record_holder_mut(&mut self) -> Option<&mut Controller> {
+        self.camera.record_holder_mut()
     }
 
     /// Returns the settings of the board's lines after each [`Self::prepare`], once: the board

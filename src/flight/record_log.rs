@@ -1,6 +1,8 @@
 //! The records of all triggers, kept until the PC has acknowledged them.
 
 use heapless::Deque;
+#[cfg(feature = "serde")]
+use serde::{Deserialize, Serialize};
 
 use super::calibration_id::CalibrationId;
 use super::fault::Faults;
@@ -21,11 +23,15 @@ pub(crate) struct RecordLog {
     whole: Deque<Place, CAPACITY>,
     refused: Option<Range>,
     last_sequence: u32,
+    /// A record has changed since `next_unkept` has found none.
+    #[cfg_attr(not(feature = "link"), allow(dead_code, reason = "of a link's camera"))]
+    has_unkept: bool,
 }
 
 /// A record without what all records of a log have in common: the calibration, which is the
 /// controller's for all its life.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
 pub(crate) struct Entry {
     pub(crate) sequence: u32,
     pub(crate) trigger: Time,
@@ -64,6 +70,41 @@ impl Entry {
 struct Place {
     record: Entry,
     is_pending: bool,
+    /// Copy in memory that a reset leaves alone, as it was before the last change.
+    #[cfg_attr(not(feature = "link"), allow(dead_code, reason = "of a link's camera"))]
+    slot: Option<Slot>,
+    /// The copy has the record as it is.
+    #[cfg_attr(not(feature = "link"), allow(dead_code, reason = "of a link's camera"))]
+    is_kept: bool,
+}
+
+/// Number of a place in memory that a reset leaves alone.
+pub(crate) type Slot = u8;
+
+/// Number of such places: a record that changes is written beside its old copy.
+#[cfg(feature = "link")]
+pub(crate) const SLOTS: usize = CAPACITY + 1;
+
+/// A record that is to be copied.
+#[cfg(feature = "link")]
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Unkept {
+    pub(crate) record: Entry,
+    pub(crate) is_pending: bool,
+    /// A slot without a record that is still wanted.
+    pub(crate) slot: Slot,
+    /// Its copy from before the change.
+    pub(crate) outdated: Option<Slot>,
+}
+
+/// Numbers of the records that are not acknowledged.
+#[cfg(feature = "link")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) struct Extent {
+    /// The oldest; one more than the last where there are none.
+    pub(crate) first_left: u32,
+    pub(crate) last_sequence: u32,
+    pub(crate) refused: Option<Range>,
 }
 
 /// The number of a trigger.
@@ -77,8 +118,9 @@ pub(crate) enum Numbered {
 
 /// Triggers refused for want of room.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct Range {
-    first_sequence: u32,
+#[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
+pub(crate) struct Range {
+    pub(crate) first_sequence: u32,
     last_sequence: u32,
     first: Time,
     last: Time,
@@ -105,6 +147,7 @@ impl RecordLog {
             whole: Deque::new(),
             refused: None,
             last_sequence: 0,
+            has_unkept: false,
         }
     }
 
@@ -113,6 +156,7 @@ impl RecordLog {
         self.whole.clear();
         self.refused = None;
         self.last_sequence = 0;
+        self.has_unkept = false;
     }
 
     /// Numbers a trigger. Its record is pending until [`Self::finish`], and no later one can be
@@ -128,8 +172,11 @@ impl RecordLog {
         let place = Place {
             record: Entry::without_room(sequence, trigger),
             is_pending: true,
+            slot: None,
+            is_kept: false,
         };
         if self.whole.push_back(place).is_ok() {
+            self.has_unkept = true;
             return Numbered::Pending(sequence);
         }
         self.refused = Some(Range {
@@ -152,7 +199,10 @@ impl RecordLog {
                 *place = Place {
                     record,
                     is_pending: false,
+                    is_kept: false,
+                    ..*place
                 };
+                self.has_unkept = true;
                 true
             }
             None => false,
@@ -167,6 +217,8 @@ impl RecordLog {
                 record
                     .outcome
                     .doubt(exposures, &mut record.flags, &mut record.faults);
+                place.is_kept = false;
+                self.has_unkept = true;
             }
         }
     }
@@ -224,6 +276,82 @@ impl RecordLog {
         let whole = u32::try_from(self.whole.len()).unwrap_or(u32::MAX);
         whole.saturating_add(refused)
     }
+}
+
+/// Copies of the records in memory that a reset leaves alone.
+#[cfg(feature = "link")]
+impl RecordLog {
+    /// The numbers of the records that are not acknowledged.
+    pub(crate) fn extent(&self) -> Extent {
+        let whole = self.whole.front().map(|place| place.record.sequence);
+        let refused = self.refused.as_ref().map(|range| range.first_sequence);
+        Extent {
+            first_left: whole
+                .or(refused)
+                .unwrap_or_else(|| self.last_sequence.saturating_add(1)),
+            last_sequence: self.last_sequence,
+            refused: self.refused,
+        }
+    }
+
+    /// Returns a record of which there is no copy as it is, the oldest first.
+    pub(crate) fn next_unkept(&mut self) -> Option<Unkept> {
+        if !self.has_unkept {
+            return None;
+        }
+        let place = self.whole.iter().find(|place| !place.is_kept);
+        let Some(place) = place else {
+            self.has_unkept = false;
+            return None;
+        };
+        let slots = self.whole.iter().filter_map(|place| place.slot);
+        let taken = slots.fold(0_u64, |taken, slot| taken | bit(slot));
+        Some(Unkept {
+            record: place.record,
+            is_pending: place.is_pending,
+            slot: u8::try_from((!taken).trailing_zeros()).unwrap_or(u8::MAX),
+            outdated: place.slot,
+        })
+    }
+
+    /// Notes that a record has been copied as it is.
+    pub(crate) fn note_kept(&mut self, sequence: u32, slot: Slot) {
+        let mut places = self.whole.iter_mut();
+        if let Some(place) = places.find(|place| place.record.sequence == sequence) {
+            place.slot = Some(slot);
+            place.is_kept = true;
+        }
+    }
+
+    /// Takes over the numbers of a flight that a reset has ended; its whole records follow by
+    /// [`Self::take_up`], in order.
+    pub(crate) fn resume(&mut self, extent: &Extent) {
+        self.whole.clear();
+        self.refused = extent.refused;
+        self.last_sequence = extent.last_sequence;
+        self.has_unkept = false;
+    }
+
+    /// Takes over the next whole record, of which there is a copy in a slot. Returns `false` if
+    /// there is no room for it.
+    pub(crate) fn take_up(&mut self, record: Entry, slot: Option<Slot>) -> bool {
+        let place = Place {
+            record,
+            is_pending: false,
+            slot,
+            is_kept: false,
+        };
+        // It is copied anew: a copy of a record that the reset has ended says that it is pending.
+        self.has_unkept = true;
+        self.whole.push_back(place).is_ok()
+    }
+}
+
+/// Returns the bit of a slot among those of all.
+#[cfg(feature = "link")]
+const fn bit(slot: Slot) -> u64 {
+    const { assert!(SLOTS <= 64) };
+    1_u64.wrapping_shl(slot as u32)
 }
 
 #[cfg(test)]

@@ -1,6 +1,8 @@
 //! The camera on a test rig: the wires of its drive, shutter and sensors are numbers, and its time
 //! is given.
 
+#[cfg(feature = "link")]
+use super::calibration_id::CalibrationId;
 use super::camera::Camera;
 use super::camera_slot::{CameraSlot, NotFlyable};
 use super::control_loop::{self, Events, RoundActions};
@@ -92,6 +94,41 @@ impl Rig {
             Ok(())
         };
         self.camera.prepare(settings, set_drive)
+    }
+
+    /// As [`Self::prepare`], for the flight that a reset has ended.
+    #[cfg(feature = "link")]
+    pub(crate) fn prepare_after_reset(
+        &mut self,
+        settings: &FlightSettings,
+        flies_on: bool,
+    ) -> Result<(), NotFlyable> {
+        let drive = &mut self.drive;
+        let set_drive = |settings| {
+            *drive = Some(RigDrive::new(settings)?);
+            Ok(())
+        };
+        let camera = &mut self.camera;
+        camera.prepare_after_reset(settings, flies_on, set_drive)
+    }
+
+    /// Makes room for the records of a flight that a reset has ended, in a camera that cannot be
+    /// prepared for it again.
+    #[cfg(feature = "link")]
+    pub(crate) fn hold_records(&mut self, calibration: CalibrationId) {
+        self.camera.hold_records(calibration);
+    }
+
+    /// The controller that has records, of a camera that is prepared or not.
+    #[cfg(feature = "link")]
+    pub(crate) fn record_holder(&self) -> Option<&Controller> {
+        self.camera.record_holder()
+    }
+
+    /// The same, to acknowledge records.
+    #[cfg(feature = "link")]
+    pub(crate) fn record_holder_mut(&mut self) -> Option<&mut Controller> {
+        self.camera.record_holder_mut()
     }
 
     /// Runs one round of the control loop; `None` before the camera is prepared.

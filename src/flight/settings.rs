@@ -85,6 +85,9 @@ pub struct FlightSettings {
     pub drive: DriveSettings,
     /// Lines that lead into the board.
     pub inputs: InputSettings,
+    /// `true` if a flight that a reset of the camera ends goes on by itself, without force on the
+    /// stage.
+    pub flies_on_after_reset: bool,
 }
 
 impl FlightSettings {
@@ -202,6 +205,7 @@ impl Default for FlightSettings {
             vh: VhSettings::default(),
             drive: DriveSettings::default(),
             inputs: InputSettings::default(),
+            flies_on_after_reset: true,
         }
     }
 }

@@ -141,6 +141,9 @@ class Force(unittest.TestCase):
         # As the button on the board.
         self.board.processor.reset("pin")
         self.assertFalse(self.board.bench.is_enabled)
-        self.board.run(0.05)
-        self.flight.prepare()
-        self.assertTrue(self.flight.status()["is_place_lost"])
+        # The flight goes on by itself, without force.
+        self.board.run(0.2)
+        status = self.flight.status()
+        self.assertTrue(status["is_place_lost"])
+        self.assertEqual((status["state"], status["fault"]), ("degraded", "encoder"))
+        self.assertFalse(self.board.bench.is_enabled)

@@ -115,15 +115,19 @@ class Stack(unittest.TestCase):
             self.assertLess((time - before) / MS, 0.1)
         self.assertEqual(start_reason(board), ("stack overflow", True))
         self.assertFalse(bench.is_enabled or bench.is_open)
-        # The camera stays in its fault until somebody has looked; the frame that was cut short is
-        # no record, and the next one is whole and names the fault.
-        flight.prepare()
-        status = flight.status()
-        self.assertEqual((status["state"], status["fault"]), ("fault", "watchdog"))
-        self.assertEqual(flight.records(), [])
-        bench.trigger(board.now + MS)
+        # The flight goes on with nobody's help. The frame that was cut short has a record that says
+        # so, and the next one is exposed without force.
         board.run(0.1)
-        (second,) = flight.records()
-        self.assertEqual(second["outcome"], "refused")
-        self.assertEqual(second.keys(), first.keys())
-        self.assertIn("watchdog", second["reason"] + second["faults"])
+        bench.trigger(board.now + MS)
+        board.run(0.2)
+        self.assertFalse(bench.is_enabled or bench.is_open)
+        status = flight.status()
+        self.assertEqual((status["state"], status["fault"]), ("degraded", "encoder"))
+        found = status["after_reset"]
+        self.assertEqual((found["boot"], found["outcome"]), (2, "FliesOn"))
+        second, third = flight.records()
+        self.assertEqual((second["outcome"], second["reason"]), ("refused", "unusable"))
+        self.assertEqual(third["outcome"], "exposed", third["reason"])
+        self.assertEqual(third.keys(), first.keys())
+        self.assertIn("watchdog", third["faults"])
+        self.assertIn("no compensation", third["flags"])

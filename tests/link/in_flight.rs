@@ -8,16 +8,22 @@ use fmc_camera::flight::rig::{RigAnswer, RigStep};
 use fmc_camera::flight::settings::FlightSettings;
 use fmc_camera::flight::time::Time;
 use fmc_camera::flight::vh::VhSample;
+use fmc_camera::io::link::after_reset::AfterReset;
 use fmc_camera::io::link::deck::FlightDeck;
-use fmc_camera::io::link::message::{Answer, FetchedRecord, Refusal, Request};
+use fmc_camera::io::link::flight_memory::FlightMemory;
+use fmc_camera::io::link::message::{
+    Answer, FetchedRecord, Identity, Refusal, Request, ResetCause,
+};
+use fmc_camera::io::link::station::Station;
 
-use crate::link::pc::{Pc, camera_parameters};
+use crate::link::pc::{Pc, STACK_USED, camera_parameters};
 
 /// A test rig with an ideal stage.
 pub(crate) struct Flight {
     pub(crate) pc: Pc,
     now: Time,
     edges: Vec<(Time, Event)>,
+    pub(crate) after_reset: AfterReset,
 }
 
 impl Flight {
@@ -27,6 +33,30 @@ impl Flight {
             pc: Pc::loaded(),
             now: Time::START,
             edges: Vec::new(),
+            after_reset: AfterReset::FIRST,
+        }
+    }
+
+    /// Returns a rig whose camera has started again with what is in memory.
+    pub(crate) fn after_reset(cause: ResetCause, memory: &'static FlightMemory) -> Self {
+        Self::of_build("test build", cause, memory)
+    }
+
+    /// As [`Self::after_reset`], with a build of the firmware.
+    pub(crate) fn of_build(build: &str, cause: ResetCause, memory: &'static FlightMemory) -> Self {
+        let identity = Identity::new(build, "test board", true, cause);
+        let mut station = Station::new(identity, || STACK_USED);
+        let after_reset = station.keep_flight_in(memory);
+        let mut pc = Pc::of(station);
+        let Answer::Connected(identity) = pc.ask(&Request::Connect) else {
+            panic!("no session");
+        };
+        assert_eq!(identity.after_reset, after_reset);
+        Self {
+            pc,
+            now: Time::START,
+            edges: Vec::new(),
+            after_reset,
         }
     }
 
@@ -95,6 +125,7 @@ fn calibration_waits_for_the_exposure_and_for_the_records_and_ends_the_flight() 
         pc: Pc::connected(),
         now: Time::START,
         edges: Vec::new(),
+        after_reset: AfterReset::FIRST,
     };
     let Answer::Loaded(first) = flight.load(3.76) else {
         panic!("not loaded");
@@ -172,6 +203,7 @@ fn what_nobody_has_cleared_outlasts_another_calibration() {
         pc: Pc::loaded(),
         now: Time::START,
         edges: Vec::new(),
+        after_reset: AfterReset::FIRST,
     };
     assert_eq!(flight.prepare(), Answer::Prepared);
     let watchdog = State::Fault(Fault::Watchdog);

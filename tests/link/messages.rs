@@ -323,7 +323,7 @@ fn requests_and_answers_keep_the_numbers_they_were_given() {
         ..unsigned.clone()
     };
     // The number of a request follows version, session and number of the message.
-    for (request, number) in [
+    for (request, number) in vec![
         (Request::Connect, 0),
         (Request::BeginLoad { length: 1, crc: 2 }, 1),
         (Request::LoadPart(part), 6),

@@ -26,6 +26,7 @@ mod messages;
 pub(crate) mod pc;
 mod refusals;
 mod repeats;
+mod resets;
 #[cfg(all(feature = "estimation", feature = "store"))]
 mod schema;
 #[cfg(feature = "store")]

@@ -103,6 +103,7 @@ impl<Deck: FlightDeck> Pc<Deck> {
             if let Some(event) = self.station.receive(*byte) {
                 self.event = Some(event);
             }
+            self.station.keep_flight();
             answers.extend(answers_in(&self.collect()));
         }
         answers

@@ -1369,6 +1369,12 @@ typedef struct fmc_displacement {
 #define FMC_START_UNREFERENCED 2
 
 /**
+ * A reset has ended the flight, and it goes on: as `FMC_START_AFTER_WATCHDOG`, but the fault ends by itself
+ * once the stage stands, and triggers are obeyed without force on the stage.
+ */
+#define FMC_START_FLIES_ON 3
+
+/**
  * Triggers are refused; the stage is left alone.
  */
 #define FMC_STATE_STANDBY 0

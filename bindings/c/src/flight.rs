@@ -43,11 +43,15 @@ pub const FMC_START_ORDERLY: fmc_code = 0;
 pub const FMC_START_AFTER_WATCHDOG: fmc_code = 1;
 /// As `FMC_START_ORDERLY`, but the encoder has lost its place.
 pub const FMC_START_UNREFERENCED: fmc_code = 2;
+/// A reset has ended the flight, and it goes on: as `FMC_START_AFTER_WATCHDOG`, but the fault ends by itself
+/// once the stage stands, and triggers are obeyed without force on the stage.
+pub const FMC_START_FLIES_ON: fmc_code = 3;
 
 codes!(start, code_of_start, Start:
     FMC_START_ORDERLY = Start::Orderly,
     FMC_START_AFTER_WATCHDOG = Start::AfterWatchdog,
     FMC_START_UNREFERENCED = Start::Unreferenced,
+    FMC_START_FLIES_ON = Start::FliesOn,
 );
 
 /// Triggers are refused; the stage is left alone.

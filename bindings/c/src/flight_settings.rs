@@ -311,6 +311,8 @@ impl fmc_flight_settings {
         Ok(FlightSettings {
             // The caller of a library has lines of its own.
             inputs: InputSettings::default(),
+            // It keeps no flight over a reset.
+            flies_on_after_reset: FlightSettings::default().flies_on_after_reset,
             exposure_s: self.exposure_s,
             direction: code::direction(self.direction)?,
             smear_budget_px: self.smear_budget_px,

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::io::{self, Write};
+use std::time::Duration;
 
 use fmc_camera::flight::clock_drift::ClockDrift;
 use fmc_camera::flight::controller::state::State;
@@ -12,6 +13,7 @@ use fmc_camera::flight::in_doubt::InDoubt;
 use fmc_camera::io::instruments::counters::{
     AutopilotCounters, InstrumentCounters, ReceiverCounters,
 };
+use fmc_camera::io::link::after_reset::{AfterReset, FlightAfterReset};
 use fmc_camera::io::link::message::Status;
 use serde::Serialize;
 
@@ -87,6 +89,7 @@ pub fn write_text(
         pairs.push(("found last", last));
     }
     pairs.push(("clock", clock_line(status.clock_drift)));
+    pairs.push(("start", start_line(&status.after_reset)));
     if let Some(counters) = instruments {
         pairs.push(("receiver", receiver_line(&counters.receiver)));
         pairs.push(("autopilot", autopilot_line(&counters.autopilot)));
@@ -96,6 +99,27 @@ pub fn write_text(
         }
     }
     writeln!(sink, "{}", terminal::pairs(NAMES, pairs))
+}
+
+/// Describes the camera's start after a reset.
+fn start_line(start: &AfterReset) -> String {
+    let number = format!("number {}: {}", start.boot, start.outcome);
+    if start.outcome == FlightAfterReset::Nothing {
+        return number;
+    }
+    let last_round = start.last_round.map(|last| {
+        let seconds = Duration::from_micros(last.us()).as_secs_f64();
+        format!("last round before it at {seconds:.3} s")
+    });
+    let records = format!(
+        "{} records, {} of frames that it ended, {} damaged",
+        start.records, start.unfinished, start.damaged
+    );
+    let parts: Vec<_> = [Some(number), last_round, Some(records)]
+        .into_iter()
+        .flatten()
+        .collect();
+    parts.join("; ")
 }
 
 /// Describes the drift of the clock.
@@ -256,6 +280,8 @@ struct StatusReport {
     index_mm: Option<f32>,
     /// Exposures in doubt, since the encoder was found wrong at the index mark.
     in_doubt: Option<InDoubt>,
+    /// Number of the start, and what it has made of a flight that the reset has ended.
+    after_reset: AfterReset,
     /// Counts of the wires of receiver and autopilot; null for a camera without them.
     instruments: Option<InstrumentCounters>,
 }
@@ -294,6 +320,7 @@ impl StatusReport {
             calibration: status.calibration.as_ref().map(CalibrationIdentity::of),
             index_mm: status.index_mm,
             in_doubt: status.in_doubt,
+            after_reset: status.after_reset,
             instruments: None,
         }
     }

@@ -126,8 +126,16 @@ impl<P: Port> Remote<P> {
     /// [`DeviceError::Link`] where it does not come back, or is armed or in flight;
     /// [`DeviceError::RecordsKept`].
     pub fn reset(&mut self) -> Result<(), DeviceError> {
+        self.reset_as(Ending::Orderly)
+    }
+
+    /// As [`Self::reset`], in either way: after a forced one a flight may go on.
+    ///
+    /// # Errors
+    /// As [`Self::reset`].
+    pub fn reset_as(&mut self, ending: Ending) -> Result<(), DeviceError> {
         self.client
-            .reset(Ending::Orderly)
+            .reset(ending)
             .map_err(|error| self.failed(error, 0))?;
         self.reconnect()?;
         if self.identity.reset_cause == ResetCause::Requested {

@@ -49,6 +49,15 @@ impl<P: Port> Remote<P> {
         }
     }
 
+    /// Runs one round of the control loop of the camera alone: without a twin, which does not know
+    /// of a flight that the camera has taken up after a reset.
+    ///
+    /// # Errors
+    /// [`DeviceError::Link`].
+    pub fn step_by_itself(&mut self, step: &RigStep) -> Result<RigAnswer, DeviceError> {
+        self.client.rig(step).map_err(|error| self.failed(error, 0))
+    }
+
     /// Tells the camera that records up to that number are stored. Returns how many are left.
     ///
     /// The record of the last trigger that was refused for want of room changes with the next one:

@@ -49,9 +49,17 @@ pub(crate) const OVERFLOW: [Drill; 2] = [
 
 /// Brings an accident about and waits until the camera has started again.
 pub(crate) fn restart_by(qemu: &mut Qemu, drill: &Drill) {
+    let starts = |qemu: &Qemu| {
+        let lines = qemu.log();
+        lines
+            .iter()
+            .filter(|line| line.contains(drill.start))
+            .count()
+    };
+    let before = starts(qemu);
     qemu.log_wire().write_all(&[drill.byte]).unwrap();
     let start = Instant::now();
-    while !qemu.log().iter().any(|line| line.contains(drill.start)) {
+    while starts(qemu) == before {
         assert!(start.elapsed() < RESTARTED_WITHIN, "{:?}", qemu.log());
         thread::sleep(LOOK_EVERY);
     }

@@ -12,6 +12,7 @@ use fmc_camera::flight::rig::{RigAnswer, RigStep};
 use fmc_camera::flight::settings::FlightSettings;
 use fmc_camera::flight::time::Time;
 use fmc_camera::flight::vh::VhSample;
+use fmc_camera::io::link::after_reset::FlightAfterReset;
 use fmc_camera::io::link::message::Refusal;
 use fmc_camera::{CalibrationParameters, CameraParameters};
 use fmc_simulation::mechanics::{Mechanics, MechanicsSettings};
@@ -278,13 +279,22 @@ fn is_in_its_fault_until_it_is_cleared(drill: &Drill) {
         flash: None,
         print_log: false,
     };
-    let mut flight = Flight::prepared(Qemu::start(MACHINES[0], &options).unwrap());
+    let mut flight = Flight::new(Qemu::start(MACHINES[0], &options).unwrap());
+    flight.settings.flies_on_after_reset = false;
+    flight.prepare().unwrap();
     flight.arm();
     assert_eq!(flight.expose(), 1);
-    assert!(matches!(flight.fetched(1).outcome, Outcome::Exposed(_)));
+    let before = flight.fetched(1);
+    assert!(matches!(before.outcome, Outcome::Exposed(_)));
     restart_by(&mut flight.device, drill);
-    flight.device.remote().reconnect().unwrap();
-    assert_eq!(flight.device.remote().identity().reset_cause, drill.cause);
+    let remote = flight.device.remote();
+    remote.reconnect().unwrap();
+    let identity = remote.identity();
+    assert_eq!(identity.reset_cause, drill.cause);
+    let outcome = identity.after_reset.outcome;
+    assert_eq!(outcome, FlightAfterReset::SwitchedOff);
+    assert_eq!(remote.fetch_record(0).unwrap(), Some(before));
+    assert_eq!(remote.acknowledge_records(1).unwrap(), 0);
     let mut flight = Flight::prepared(flight.device);
     assert_eq!(FlyingDevice::frame_record(&mut flight.device, 0), Ok(None));
     flight.round(None);

@@ -18,6 +18,8 @@ mod mission;
 #[cfg(test)]
 mod program;
 #[cfg(test)]
+mod resets;
+#[cfg(test)]
 #[cfg(unix)]
 mod served;
 #[cfg(test)]

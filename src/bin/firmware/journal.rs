@@ -2,6 +2,7 @@
 
 #[cfg(feature = "board-nucleo-h743zi")]
 use fmc_camera::flight::{fault::Fault, in_doubt::InDoubt};
+use fmc_camera::io::link::after_reset::{AfterReset, FlightAfterReset};
 use fmc_camera::io::link::message::ResetCause;
 use fmc_camera::io::link::station::LinkEvent;
 #[cfg(feature = "store")]
@@ -35,6 +36,20 @@ pub(crate) fn note_stored(found: &Result<StoredIdentity, NothingStored>) {
             let [first, second] = nothing.slots;
             defmt::warn!("no calibration is found: {}; {}", first, second);
         }
+    }
+}
+
+/// Logs what the start has made of the flight before it.
+pub(crate) fn note_flight(found: &AfterReset) {
+    defmt::info!("start {=u32}: {=str}", found.boot, found.outcome.describe());
+    if found.outcome != FlightAfterReset::Nothing {
+        defmt::info!(
+            "flight {=u32}: {=u32} records, {=u32} unfinished, {=u32} damaged",
+            found.flight,
+            found.records,
+            found.unfinished,
+            found.damaged
+        );
     }
 }
 

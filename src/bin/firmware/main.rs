@@ -60,10 +60,13 @@ fn run(mut board: Board, start: ResetCause) -> ! {
     if let Some(store) = &mut store {
         journal::note_stored(station.load_stored(store));
     }
+    journal::note_flight(&station.keep_flight_in(Board::flight_memory(start)));
     let mut ending = None;
     loop {
         board.feed_watchdog();
         board.fly(station.deck_mut());
+        // After every round and every request, before anything of the answer leaves.
+        station.keep_flight();
         station.count_overrun(board.overruns());
         let waiting = station.to_send();
         if !waiting.is_empty() {

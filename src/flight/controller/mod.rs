@@ -29,6 +29,8 @@ mod frame;
 mod index_mark;
 mod passing;
 mod readiness;
+#[cfg(feature = "link")]
+mod resumption;
 mod setup;
 mod stage;
 mod start;
@@ -43,6 +45,8 @@ use self::aircraft::{Aircraft, Said};
 pub use self::error::ControllerError;
 use self::frame::FrameMachine;
 use self::readiness::{Mode, Readiness};
+#[cfg(feature = "link")]
+pub(crate) use self::resumption::FlightState;
 pub(super) use self::setup::{Preparation, Setup, checked};
 use self::stage::StageMachine;
 pub use self::start::Start;

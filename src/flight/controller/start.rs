@@ -20,6 +20,10 @@ pub enum Start {
     AfterWatchdog,
     /// As [`Self::Orderly`], but the encoder has lost its place.
     Unreferenced,
+    /// A reset has ended the flight that is prepared now, and it goes on: as
+    /// [`Self::AfterWatchdog`], but the fault ends by itself once the stage stands, and triggers
+    /// are obeyed without force on the stage.
+    FliesOn,
 }
 
 impl Controller {
@@ -42,7 +46,7 @@ impl Controller {
     pub(in crate::flight) fn restart(&mut self, setup: &Setup, start: Start) {
         let (mode, faults) = match start {
             Start::Orderly | Start::Unreferenced => (Mode::Standby, Faults::NONE),
-            Start::AfterWatchdog => {
+            Start::AfterWatchdog | Start::FliesOn => {
                 let mut faults = Faults::NONE;
                 faults.insert(Fault::Watchdog);
                 (Mode::Fault(Fault::Watchdog), faults)
@@ -68,6 +72,9 @@ impl Controller {
         *stage = StageMachine::new(start != Start::Orderly);
         frame.restart(faults);
         *readiness = Readiness::new(mode);
+        if start == Start::FliesOn {
+            readiness.fly_on();
+        }
         *exposure_s = setup.settings.exposure_s;
         *calibration = setup.camera.id();
     }

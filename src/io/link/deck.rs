@@ -1,8 +1,10 @@
 //! Deck of the link: a camera on a test rig, or that of a board ([`FlownDeck`]).
 
+use super::after_reset::AfterReset;
 use super::digest;
 use super::message::{self, FetchedRecord, Inputs, Refusal, Status};
 use crate::flight::bring_up::Trial;
+use crate::flight::calibration_id::CalibrationId;
 use crate::flight::camera::{self, Camera};
 use crate::flight::clock_drift::ClockDrift;
 use crate::flight::controller::{Controller, ControllerError, Start};
@@ -31,11 +33,31 @@ pub trait FlightDeck {
     /// itself cannot do.
     fn prepare(&mut self, settings: &FlightSettings) -> Result<(), Refusal>;
 
+    /// Prepares the loaded camera for the flight that it was prepared for before a reset; with
+    /// `flies_on` it arms itself without force on the stage
+    /// ([`Start::FliesOn`](crate::flight::controller::Start::FliesOn)).
+    ///
+    /// # Errors
+    /// As [`Self::prepare`].
+    fn prepare_after_reset(
+        &mut self,
+        settings: &FlightSettings,
+        flies_on: bool,
+    ) -> Result<(), Refusal>;
+
+    /// Makes room for the records of a flight with this calibration that a reset has ended, in a
+    /// camera that cannot be prepared for it again.
+    fn hold_records(&mut self, calibration: CalibrationId);
+
+    /// The controller that has records: that of the prepared camera, or the one that
+    /// [holds](Self::hold_records) those of an earlier flight.
+    fn record_holder(&self) -> Option<&Controller>;
+
+    /// The same, for the acknowledgement of records.
+    fn record_holder_mut(&mut self) -> Option<&mut Controller>;
+
     /// The camera's controller; `None` before it is prepared.
     fn controller(&self) -> Option<&Controller>;
-
-    /// The camera's controller, for the acknowledgement of records.
-    fn controller_mut(&mut self) -> Option<&mut Controller>;
 
     /// Position of the stage at its last reading, mm along the FMC axis from the encoder's zero,
     /// also while its place is lost; `None` on a test rig, or without a reading.
@@ -147,12 +169,30 @@ impl FlightDeck for RigDeck {
         Ok(())
     }
 
-    fn controller(&self) -> Option<&Controller> {
-        self.rig.controller()
+    fn prepare_after_reset(
+        &mut self,
+        settings: &FlightSettings,
+        flies_on: bool,
+    ) -> Result<(), Refusal> {
+        self.rig.prepare_after_reset(settings, flies_on)?;
+        self.instruments.get_or_insert_default().clear();
+        Ok(())
     }
 
-    fn controller_mut(&mut self) -> Option<&mut Controller> {
-        self.rig.controller_mut()
+    fn hold_records(&mut self, calibration: CalibrationId) {
+        self.rig.hold_records(calibration);
+    }
+
+    fn record_holder(&self) -> Option<&Controller> {
+        self.rig.record_holder()
+    }
+
+    fn record_holder_mut(&mut self) -> Option<&mut Controller> {
+        self.rig.record_holder_mut()
+    }
+
+    fn controller(&self) -> Option<&Controller> {
+        self.rig.controller()
     }
 
     fn offset_mm(&self) -> Option<f32> {
@@ -205,16 +245,32 @@ impl<Drive: FlownDrive> FlightDeck for FlownDeck<Drive> {
         Ok(Self::prepare(self, settings)?)
     }
 
+    fn prepare_after_reset(
+        &mut self,
+        settings: &FlightSettings,
+        flies_on: bool,
+    ) -> Result<(), Refusal> {
+        Ok(Self::prepare_after_reset(self, settings, flies_on)?)
+    }
+
+    fn hold_records(&mut self, calibration: CalibrationId) {
+        Self::hold_records(self, calibration);
+    }
+
+    fn record_holder(&self) -> Option<&Controller> {
+        self.record_holder()
+    }
+
+    fn record_holder_mut(&mut self) -> Option<&mut Controller> {
+        self.record_holder_mut()
+    }
+
     fn is_supply_good(&self) -> bool {
         Self::is_supply_good(self)
     }
 
     fn controller(&self) -> Option<&Controller> {
         self.controller()
-    }
-
-    fn controller_mut(&mut self) -> Option<&mut Controller> {
-        self.controller_mut()
     }
 
     fn offset_mm(&self) -> Option<f32> {
@@ -289,7 +345,7 @@ pub(super) fn prepare(
 /// Checks that a flight may end: it is idle, and none of its records would be lost.
 pub(super) fn check_over(deck: &impl FlightDeck) -> Result<(), Refusal> {
     check_idle(deck)?;
-    match deck.controller().map_or(0, Controller::kept) {
+    match deck.record_holder().map_or(0, Controller::kept) {
         0 => Ok(()),
         kept => Err(Refusal::RecordsKept(kept)),
     }
@@ -305,7 +361,7 @@ pub(super) fn check_idle(deck: &impl FlightDeck) -> Result<(), Refusal> {
 }
 
 pub(super) fn record(deck: &impl FlightDeck, from: u32) -> Result<Option<FrameRecord>, Refusal> {
-    let controller = deck.controller().ok_or(Refusal::NotPrepared)?;
+    let controller = deck.record_holder().ok_or(Refusal::NotPrepared)?;
     Ok(controller.record(from))
 }
 
@@ -318,7 +374,7 @@ pub(super) fn acknowledge(
     deck: &mut impl FlightDeck,
     fetched: FetchedRecord,
 ) -> Result<u32, Refusal> {
-    let controller = deck.controller_mut().ok_or(Refusal::NotPrepared)?;
+    let controller = deck.record_holder_mut().ok_or(Refusal::NotPrepared)?;
     let FetchedRecord { sequence, crc } = fetched;
     let oldest = controller.record(0).filter(|it| it.sequence <= sequence);
     if let Some(oldest) = oldest {
@@ -337,7 +393,8 @@ pub(super) fn acknowledge(
     Ok(controller.acknowledge(sequence))
 }
 
-pub(super) fn status(deck: &impl FlightDeck) -> Result<Status, Refusal> {
+/// Status of the flight, after this start.
+pub(super) fn status(deck: &impl FlightDeck, after_reset: AfterReset) -> Result<Status, Refusal> {
     let controller = deck.controller().ok_or(Refusal::NotPrepared)?;
     Ok(Status {
         state: controller.state(),
@@ -352,6 +409,7 @@ pub(super) fn status(deck: &impl FlightDeck) -> Result<Status, Refusal> {
         calibration: controller.calibration(),
         index_mm: controller.index_mm(),
         in_doubt: controller.in_doubt(),
+        after_reset,
     })
 }
 

@@ -3,6 +3,7 @@
 use heapless::{String, Vec};
 use serde::{Deserialize, Serialize};
 
+use super::after_reset::AfterReset;
 use super::packet::Packet;
 pub use super::refusal::Refusal;
 use super::{MAX_GRID_PART, MAX_OBSERVATIONS, MAX_PART, MAX_POINTS, PROTOCOL_VERSION};
@@ -80,7 +81,7 @@ pub enum Request {
     Digest(Grid),
     /// Reads the counts of the link since the camera started.
     Counters,
-    /// Starts the camera again; a volatile calibration is lost.
+    /// Starts the camera again; a volatile calibration is lost unless the camera is prepared.
     Reset(Ending),
     /// Switches the camera off, if it can.
     PowerOff(Ending),
@@ -300,6 +301,8 @@ pub struct Identity {
     pub max_points: u16,
     /// The calibration in use.
     pub calibration: Option<CalibrationId>,
+    /// Number of the start, and what it has made of a flight that the reset has ended.
+    pub after_reset: AfterReset,
 }
 
 impl Identity {
@@ -316,6 +319,7 @@ impl Identity {
             #[expect(clippy::cast_possible_truncation, reason = "64 fits")]
             max_points: MAX_POINTS as u16,
             calibration: None,
+            after_reset: AfterReset::FIRST,
         }
     }
 }
@@ -351,6 +355,8 @@ pub struct Status {
     /// Exposures that crossings of the index mark have left in doubt, with those between; `None` if
     /// there are none.
     pub in_doubt: Option<InDoubt>,
+    /// Number of the start, and what it has made of a flight that the reset has ended.
+    pub after_reset: AfterReset,
 }
 
 /// A part of a camera's parameters, or of a residual grid.

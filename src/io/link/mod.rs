@@ -35,11 +35,14 @@
 //! last byte, from the open session and in order. Everything else is counted
 //! ([`message::Counters`]).
 
+pub mod after_reset;
 mod batch;
 mod contents;
 pub mod deck;
 pub mod digest;
 mod fitting;
+mod flight_keeper;
+pub mod flight_memory;
 mod grid_loading;
 mod identity;
 pub mod link_event;
@@ -55,6 +58,7 @@ mod shelf;
 pub mod station;
 #[cfg(feature = "store")]
 mod storing;
+mod taking_up;
 pub mod wired_deck;
 
 /// Version of packets and messages. It changes whenever a message does.

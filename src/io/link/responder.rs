@@ -3,6 +3,7 @@
 use super::contents::Contents;
 use super::deck::{self, FlightDeck};
 use super::fitting::Fitting;
+use super::flight_keeper::FlightKeeper;
 use super::grid_loading::{GridLoading, GridProgress};
 use super::link_event::LinkEvent;
 use super::loading::Loading;
@@ -37,6 +38,7 @@ pub(super) struct Responder<Deck> {
     pub(super) deck: Deck,
     pub(super) fitting: Fitting,
     pub(super) shelf: Shelf,
+    pub(super) keeper: FlightKeeper,
     pub(super) reply: Reply,
     pub(super) counters: Counters,
 }
@@ -220,6 +222,7 @@ impl<Deck: FlightDeck> Responder<Deck> {
             }
             Request::PowerOff(ending) if self.identity.power_switch => {
                 self.check_ending(*ending)?;
+                self.keeper.note_power_off();
                 event = LinkEvent::PowerOff;
                 Answer::Ending
             }
@@ -300,7 +303,7 @@ impl<Deck: FlightDeck> Responder<Deck> {
             Request::Acknowledge(fetched) => {
                 Answer::Kept(deck::acknowledge(&mut self.deck, *fetched)?)
             }
-            Request::Status => Answer::Status(deck::status(&self.deck)?),
+            Request::Status => Answer::Status(deck::status(&self.deck, self.identity.after_reset)?),
             Request::Stored => self.shelf.tell()?,
             Request::Inputs => Answer::Inputs(self.deck.inputs().ok_or(Refusal::NoInputs)?),
             _ => return Err(Refusal::ReadingOnly),
@@ -363,6 +366,8 @@ impl<Deck: FlightDeck> Responder<Deck> {
     #[inline(never)]
     fn prepare(&mut self, header: Header, settings: &FlightSettings) -> Result<LinkEvent, Refusal> {
         deck::prepare(&mut self.deck, settings)?;
+        self.keeper
+            .begin(settings, self.shelf.in_use.as_ref(), self.deck.controller());
         self.note_prepared(header);
         Ok(LinkEvent::Answered)
     }
@@ -432,6 +437,23 @@ impl<Deck: FlightDeck> Responder<Deck> {
     }
 
     pub(super) fn load(
+        &mut self,
+        record: CameraParameters,
+        crc: u32,
+        storage: Storage,
+    ) -> Result<CalibrationId, Refusal> {
+        let loaded = self.put_into_use(record, crc, storage)?;
+        self.keeper.end();
+        Ok(loaded)
+    }
+
+    /// Copies what has changed of the flight.
+    #[inline]
+    pub(super) fn keep_flight(&mut self) {
+        self.keeper.keep(self.deck.record_holder_mut());
+    }
+
+    pub(super) fn put_into_use(
         &mut self,
         record: CameraParameters,
         crc: u32,

@@ -1,8 +1,11 @@
 //! The camera's end of the link: it takes bytes and returns bytes, without clock and port.
 
+use super::after_reset::AfterReset;
 use super::deck::{self, FlightDeck, RigDeck};
 use super::digest;
 use super::fitting::Fitting;
+use super::flight_keeper::FlightKeeper;
+use super::flight_memory::FlightMemory;
 use super::grid_loading::GridLoading;
 pub use super::link_event::LinkEvent;
 use super::loading::Loading;
@@ -57,6 +60,7 @@ impl<Deck: FlightDeck> Station<Deck> {
                 frame: None,
                 fitting: Fitting::NONE,
                 shelf: Shelf::NONE,
+                keeper: FlightKeeper::NONE,
                 reply: Reply::NONE,
                 counters: Counters {
                     done: 0,
@@ -122,6 +126,22 @@ impl<Deck: FlightDeck> Station<Deck> {
         store: &mut CalibrationStore<F, V>,
     ) -> LinkEvent {
         self.responder.carry_out(store)
+    }
+
+    /// Keeps the flight in memory that a reset leaves alone, and takes up the one that is there:
+    /// the camera is prepared as it was, and goes on to fly if it was armed. Returns the findings.
+    ///
+    /// It is called once, after a stored calibration has been put into use and before the first
+    /// round.
+    pub fn keep_flight_in(&mut self, memory: &'static FlightMemory) -> AfterReset {
+        self.responder.keep_flight_in(memory)
+    }
+
+    /// Copies what has changed of the flight into that memory: after every round of the control
+    /// loop, and before a part of an answer leaves.
+    #[inline]
+    pub fn keep_flight(&mut self) {
+        self.responder.keep_flight();
     }
 
     /// Takes a byte from the wire. Returns an event if the byte ends a packet.

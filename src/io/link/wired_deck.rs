@@ -3,6 +3,7 @@
 use super::deck::FlightDeck;
 use super::message::{Inputs, Refusal};
 use crate::flight::bring_up::Trial;
+use crate::flight::calibration_id::CalibrationId;
 use crate::flight::camera::Camera;
 use crate::flight::clock_drift::ClockDrift;
 use crate::flight::control_loop::RoundActions;
@@ -73,12 +74,30 @@ impl<Drive: FlownDrive> FlightDeck for WiredDeck<Drive> {
         Ok(())
     }
 
-    fn controller(&self) -> Option<&Controller> {
-        self.flown.controller()
+    fn prepare_after_reset(
+        &mut self,
+        settings: &FlightSettings,
+        flies_on: bool,
+    ) -> Result<(), Refusal> {
+        FlightDeck::prepare_after_reset(&mut self.flown, settings, flies_on)?;
+        self.instruments.clear();
+        Ok(())
     }
 
-    fn controller_mut(&mut self) -> Option<&mut Controller> {
-        self.flown.controller_mut()
+    fn hold_records(&mut self, calibration: CalibrationId) {
+        self.flown.hold_records(calibration);
+    }
+
+    fn record_holder(&self) -> Option<&Controller> {
+        self.flown.record_holder()
+    }
+
+    fn record_holder_mut(&mut self) -> Option<&mut Controller> {
+        self.flown.record_holder_mut()
+    }
+
+    fn controller(&self) -> Option<&Controller> {
+        self.flown.controller()
     }
 
     fn offset_mm(&self) -> Option<f32> {

@@ -146,10 +146,12 @@ fn settings_without_a_range_are_named() {
                 receiver_baud: _,
                 autopilot_baud: _,
             },
+        flies_on_after_reset: _,
     } = FlightSettings::default();
     for name in [
         "`direction`",
         "`encoder_survives_brown_out`",
+        "`flies_on_after_reset`",
         "`drive.encoder_reversed`",
         "`drive.encoder_side`",
         "`drive.motor_reversed`",

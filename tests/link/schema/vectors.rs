@@ -63,7 +63,7 @@ pub(super) fn vectors(registry: &Registry) -> Vec<Value> {
                     session: u32::try_from(300 + 7919 * vectors.len()).unwrap(),
                     sequence: u16::try_from(vectors.len()).unwrap(),
                 };
-                vectors.push(vector(kind, header, &draw.bytes, value));
+                vectors.push(vector(kind, header, &draw.bytes, &value));
             }
         }
     }
@@ -100,7 +100,7 @@ fn is_in_messages(registry: &Registry, name: &str) -> bool {
 }
 
 /// A message as its vector. The types read it, and write the same bytes.
-fn vector(kind: &str, header: Header, body: &[u8], value: Value) -> Value {
+fn vector(kind: &str, header: Header, body: &[u8], value: &Value) -> Value {
     let mut room = [0; 8];
     let encoded = postcard::to_slice(&header, &mut room).unwrap();
     let payload = [&[PROTOCOL_VERSION], &*encoded, body].concat();
@@ -135,7 +135,9 @@ fn vector(kind: &str, header: Header, body: &[u8], value: Value) -> Value {
 }
 
 fn hex(bytes: &[u8]) -> String {
-    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+    let digit = |half: u8| char::from_digit(half.into(), 16).unwrap();
+    let digits = bytes.iter().flat_map(|byte| [byte >> 4, byte & 15]);
+    digits.map(digit).collect()
 }
 
 impl Draw<'_> {
@@ -275,15 +277,12 @@ impl Draw<'_> {
             }
             ContainerFormat::Struct(fields) => self.fields(fields),
             ContainerFormat::Enum(variants) => {
-                let number = match self.first.take() {
-                    Some(first) => {
-                        self.variants.insert((name.to_owned(), first));
-                        first
-                    }
-                    None => {
-                        let contents = variants.values().map(|it| inside(&it.value));
-                        self.choice(name, &contents.collect::<Vec<_>>())
-                    }
+                let number = if let Some(first) = self.first.take() {
+                    self.variants.insert((name.to_owned(), first));
+                    first
+                } else {
+                    let contents = variants.values().map(|it| inside(&it.value));
+                    self.choice(name, &contents.collect::<Vec<_>>())
                 };
                 self.varint(number.try_into().unwrap());
                 let variant = &variants[&u32::try_from(number).unwrap()];

@@ -7,8 +7,10 @@ use fmc_camera::geometry::{
 };
 use fmc_camera::io::instruments::{Instruments, counters::ReceiverCounters};
 use fmc_camera::io::link::{
+    after_reset::FlightAfterReset,
     deck::{FlightDeck, RigDeck},
     digest,
+    flight_memory::FlightMemory,
     loading::{self, Upload},
     message::{Answer, Grid, Identity, Request, ResetCause},
     packet::{Packet, PacketReceiver},
@@ -85,6 +87,14 @@ pub(crate) fn keep() {
         Station::<RigDeck>::counters,
         Station::<RigDeck>::deck_mut,
         Station::<RigDeck>::keep_grids_in,
+        Station::<RigDeck>::keep_flight_in,
+        Station::<RigDeck>::keep_flight,
+        Station::<Wired>::keep_flight_in,
+        Station::<Wired>::keep_flight,
+        FlightAfterReset::describe,
+        FlightMemory::blank,
+        FlightMemory::of_words,
+        FlightMemory::words,
         Station::<RigDeck>::grid_memory_mut,
         Station::<RigDeck>::load_stored::<Flash, PublicKey>,
         Station::<RigDeck>::store::<Flash, PublicKey>,

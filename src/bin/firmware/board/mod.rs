@@ -4,6 +4,7 @@
 //! - `start`: the board and the cause of its start; `None` if the start fails;
 //! - `NAME`, and `CAN_POWER_OFF`: `true` if `power_off` switches the power off;
 //! - `store`, where the feature `store` is on: the store of the calibration in the board's flash;
+//! - `flight_memory`: memory that a reset leaves alone, by the cause of the start;
 //! - `deck`: the camera of the link, a type `Deck`, not prepared; `fly`: makes a round of the
 //!   control loop if one is due, and never waits;
 //! - `receive`: the next byte from the link, kept by an interrupt until it is taken; `overruns`:
@@ -20,6 +21,7 @@
 //! log's bytes or drops them, without waiting for a reader.
 
 mod cause;
+mod flight_memory;
 mod hard_fault;
 mod log;
 mod memory_guard;

@@ -3,6 +3,8 @@
 use crate::flight::camera;
 use crate::flight::fault::Faults;
 use crate::flight::frame_record::{Flags, Outcome, Reason};
+#[cfg(feature = "link")]
+use crate::flight::record_log::Extent;
 use crate::flight::record_log::{Entry, Numbered, RecordLog};
 use crate::flight::time::Time;
 
@@ -46,6 +48,18 @@ impl Kept {
         for count in [triggers, exposed, refused, unexpected_edges] {
             *count = 0;
         }
+    }
+
+    /// Takes over counts and numbers of a flight that a reset has ended.
+    #[cfg(feature = "link")]
+    pub(in super::super) fn resume(&mut self, counts: [u32; 4], records: &Extent) {
+        [
+            self.triggers,
+            self.exposed,
+            self.refused,
+            self.unexpected_edges,
+        ] = counts;
+        self.records.resume(records);
     }
 
     /// Numbers a trigger. Every trigger gets a number and a record; one without room for its record

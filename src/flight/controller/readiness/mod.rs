@@ -22,6 +22,8 @@ pub(super) struct Readiness {
     is_supply_good: bool,
     /// A disarm waits until the exposure or the stage's way has ended.
     is_disarming: bool,
+    /// The flight began before a reset: the fault of the start ends by itself.
+    flies_on: bool,
     last_event: Option<Time>,
     rounds: Rounds,
     late_ticks: u32,
@@ -75,10 +77,36 @@ impl Readiness {
             mode,
             is_supply_good: true,
             is_disarming: false,
+            flies_on: false,
             last_event: None,
             rounds: Rounds::new(),
             late_ticks: 0,
             lost_events: 0,
+        }
+    }
+
+    /// Notes that the flight goes on after a reset.
+    pub(super) const fn fly_on(&mut self) {
+        self.flies_on = true;
+    }
+
+    /// Returns `true` if the camera is armed, or will be by itself.
+    #[cfg(feature = "link")]
+    pub(super) const fn is_flying(&self) -> bool {
+        match self.mode {
+            _ if self.is_disarming => false,
+            Mode::Standby => false,
+            Mode::Fault(fault) => !self.waits_for_operator(fault),
+            _ => true,
+        }
+    }
+
+    /// Returns `true` for a fault that the operator has to clear.
+    const fn waits_for_operator(&self, fault: Fault) -> bool {
+        match fault {
+            Fault::Clock | Fault::ShutterLong => true,
+            Fault::Watchdog => !self.flies_on,
+            _ => false,
         }
     }
 
@@ -290,9 +318,9 @@ impl Readiness {
     /// stood still.
     pub(super) fn is_over(&self, fault: Fault, has_stood: impl FnOnce() -> bool) -> bool {
         match fault {
+            _ if self.waits_for_operator(fault) => false,
             Fault::BrownOut => self.is_supply_good,
-            // The operator has to clear these.
-            Fault::Clock | Fault::Watchdog | Fault::ShutterLong => false,
+            Fault::Watchdog => self.is_supply_good && has_stood(),
             _ => has_stood(),
         }
     }

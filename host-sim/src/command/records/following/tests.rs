@@ -10,6 +10,7 @@ use fmc_camera::flight::findings::Findings;
 use fmc_camera::flight::frame_record::{ExposedFrame, Flags};
 use fmc_camera::flight::principal_point_sigma::PrincipalPointSigma;
 use fmc_camera::flight::time::Time;
+use fmc_camera::io::link::after_reset::AfterReset;
 use fmc_camera_file::CameraFile;
 use fmc_frames::record_files::{CSV, JSON, RecordFiles};
 use serde_json::Value;
@@ -159,6 +160,7 @@ impl RecordSource for Flying {
             calibration: None,
             index_mm: None,
             in_doubt: self.in_doubt,
+            after_reset: AfterReset::FIRST,
         })
     }
 

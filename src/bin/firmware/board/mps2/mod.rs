@@ -22,10 +22,10 @@ use core::sync::atomic::Ordering;
 use cortex_m::peripheral::{Peripherals, SCB};
 use cortex_m_semihosting::debug;
 
-use fmc_camera::io::link::{deck::RigDeck, message::ResetCause};
+use fmc_camera::io::link::{deck::RigDeck, flight_memory::FlightMemory, message::ResetCause};
 use fmc_camera::io::store::CalibrationStore;
 
-use super::{cause, memory_guard, trust};
+use super::{cause, flight_memory, memory_guard, trust};
 use blocks::Blocks;
 use flash::Flash;
 use registers::SharedMemory;
@@ -81,6 +81,11 @@ impl Board {
     /// the watchdog has.
     pub(crate) fn store(&self) -> Option<CalibrationStore<Flash>> {
         trust::store_in(self.flash)
+    }
+
+    /// Returns the memory that a reset leaves alone, once.
+    pub(crate) fn flight_memory(start: ResetCause) -> &'static FlightMemory {
+        flight_memory::find(start)
     }
 
     /// Returns a test rig.

@@ -42,10 +42,12 @@ use self::{
 };
 use fmc_camera::flight::{disciplined_clock::DisciplinedClock, flown_deck::FlownDeck};
 use fmc_camera::io::instruments::Instruments;
-use fmc_camera::io::link::{message::ResetCause, wired_deck::WiredDeck};
+use fmc_camera::io::link::{
+    flight_memory::FlightMemory, message::ResetCause, wired_deck::WiredDeck,
+};
 use fmc_camera::io::store::CalibrationStore;
 
-use super::{cause, memory_guard, trust};
+use super::{cause, flight_memory, memory_guard, trust};
 
 pub(super) use self::{
     clock::now_us, fault::stop_after_fault, fault::stop_after_panic, log::carry_log,
@@ -134,6 +136,11 @@ impl Board {
     #[expect(clippy::unused_self, reason = "the interface is that of every board")]
     pub(crate) fn store(&self) -> Option<CalibrationStore<Flash>> {
         trust::store_in(Flash::for_calibration()?)
+    }
+
+    /// Returns the memory that a reset leaves alone, once.
+    pub(crate) fn flight_memory(start: ResetCause) -> &'static FlightMemory {
+        flight_memory::find(start)
     }
 
     /// Returns the camera on this board's pins, not prepared.

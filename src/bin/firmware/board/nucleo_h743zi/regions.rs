@@ -11,6 +11,8 @@ const MEMORY: u32 = 1 << 19 | 1 << 17 | 1 << 16;
 /// Past the cache, in order, and never ahead of the program: a word of the flash that cannot be
 /// read is met by the load that wants it, and a load after a write sees what was written.
 const DEVICE: u32 = 1 << 20;
+/// Memory that is not cached: what is written is there after a reset.
+const UNCACHED: u32 = 1 << 19;
 
 /// Eighths of the address space that stay as they are: memories and peripherals of the chip below
 /// `0x6000_0000`, and the processor's own registers above `0xE000_0000`.
@@ -34,7 +36,7 @@ pub(super) fn close_bank_2() {
 }
 
 /// Addresses and attributes.
-pub(super) const REGIONS: [(u32, u32); 5] = [
+pub(super) const REGIONS: [(u32, u32); 6] = [
     // No memory is connected outside, and the processor must not look for it either.
     (0, NO_ACCESS | NO_CODE | CHIP | size(1 << 32)),
     // Null pointers, and jumps through them: the memory there is not used.
@@ -45,4 +47,9 @@ pub(super) const REGIONS: [(u32, u32); 5] = [
     (BANK_2, BANK_2_CLOSED),
     // Data are never executed.
     (0x2000_0000, ALL_ACCESS | NO_CODE | MEMORY | size(512 << 20)),
+    // The flight that outlives a reset.
+    (
+        0x2400_0000,
+        ALL_ACCESS | NO_CODE | UNCACHED | size(16 << 10),
+    ),
 ];

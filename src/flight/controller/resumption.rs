@@ -1,0 +1,99 @@
+//! The state of a flight that outlives a reset of the camera.
+
+use super::Controller;
+use super::readiness::Mode;
+use crate::flight::calibration_id::CalibrationId;
+use crate::flight::fault::{Fault, Faults};
+use crate::flight::frame_record::{Flags, Outcome, Reason};
+use crate::flight::record_log::{Entry, Extent, RecordLog, Slot, Unkept};
+use crate::flight::time::Time;
+
+/// State of a flight that the same camera takes over after a reset, besides settings and records.
+///
+/// Place of the stage, V/H, UTC and the learned motion are not among it: they come anew.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
+pub(crate) struct FlightState {
+    /// The camera is armed, or will be by itself when a fault has ended.
+    pub(crate) is_flying: bool,
+    /// Exposure time of the frames to come, s.
+    exposure_s: f32,
+    /// Numbers of triggers, of records with an exposure, of records without, and of edges of the
+    /// shutter that the camera had not commanded.
+    counts: [u32; 4],
+    pub(crate) records: Extent,
+}
+
+impl Controller {
+    /// The state that outlives a reset.
+    pub(crate) fn flight_state(&self) -> FlightState {
+        FlightState {
+            is_flying: self.readiness.is_flying(),
+            exposure_s: self.exposure_s,
+            counts: self.frame.kept.counts(),
+            records: self.frame.kept.records().extent(),
+        }
+    }
+
+    /// Time of the last event; `None` before the first.
+    pub(crate) const fn last_event(&self) -> Option<Time> {
+        self.readiness.last_event()
+    }
+
+    /// Returns a record that has changed since it was copied; the oldest first.
+    pub(crate) fn next_unkept(&mut self) -> Option<Unkept> {
+        self.records_mut().next_unkept()
+    }
+
+    /// Notes that a record has been copied as it is.
+    pub(crate) fn note_kept(&mut self, sequence: u32, slot: Slot) {
+        self.records_mut().note_kept(sequence, slot);
+    }
+
+    /// Takes over the state of the flight before the reset, after the controller has been
+    /// restarted. Its records follow by [`Self::take_up`].
+    pub(crate) fn take_over(&mut self, state: &FlightState) {
+        self.exposure_s = state.exposure_s;
+        self.frame.kept.resume(state.counts, &state.records);
+    }
+
+    /// Takes over the next record of the flight before the reset. Returns `false` if there is no
+    /// room for it.
+    pub(crate) fn take_up(&mut self, record: Entry, slot: Option<Slot>) -> bool {
+        self.records_mut().take_up(record, slot)
+    }
+
+    /// Takes over a trigger whose record the reset has ended, or damaged: an image of it may exist.
+    pub(crate) fn take_up_unfinished(
+        &mut self,
+        sequence: u32,
+        trigger: Time,
+        slot: Option<Slot>,
+    ) -> bool {
+        let mut faults = Faults::NONE;
+        faults.insert(Fault::Watchdog);
+        let record = Entry {
+            sequence,
+            trigger,
+            outcome: Outcome::Refused(Reason::Unusable),
+            faults,
+            flags: Flags::NONE,
+        };
+        self.take_up(record, slot)
+    }
+
+    /// Holds the records of a flight that cannot go on, in a camera that is not prepared.
+    pub(in crate::flight) fn hold(&mut self, calibration: CalibrationId) {
+        self.frame.restart(Faults::NONE);
+        self.readiness.set_mode(Mode::Standby);
+        self.calibration = Some(calibration);
+    }
+
+    /// Forgets all records.
+    pub(in crate::flight) fn forget_records(&mut self) {
+        self.records_mut().restart();
+    }
+
+    const fn records_mut(&mut self) -> &mut RecordLog {
+        self.frame.kept.records_mut()
+    }
+}

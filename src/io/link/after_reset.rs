@@ -1,0 +1,102 @@
+//! Findings of the camera's start about the flight before it.
+
+use core::fmt;
+
+use serde::{Deserialize, Serialize};
+
+use crate::flight::time::Time;
+
+/// The camera's start, and what it has made of the flight that a reset has ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct AfterReset {
+    /// Number of the start, from 1, since the camera's memory was last without supply.
+    pub boot: u32,
+    /// Number of the last flight that was prepared, counted in the same way; 0 before the first.
+    pub flight: u32,
+    /// Fate of the flight.
+    pub outcome: FlightAfterReset,
+    /// Time of the last round before the reset, by the clock of that start; `None` if there was
+    /// none, or it is damaged.
+    pub last_round: Option<Time>,
+    /// Records of the flight that were not acknowledged, and are there.
+    pub records: u32,
+    /// Triggers among them whose frame the reset has ended.
+    pub unfinished: u32,
+    /// Triggers among them whose record was damaged.
+    pub damaged: u32,
+}
+
+impl AfterReset {
+    /// A start without a flight before it.
+    pub const FIRST: Self = Self {
+        boot: 1,
+        flight: 0,
+        outcome: FlightAfterReset::Nothing,
+        last_round: None,
+        records: 0,
+        unfinished: 0,
+        damaged: 0,
+    };
+}
+
+/// Fate of the flight before a reset.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum FlightAfterReset {
+    /// There was none, or the camera has been without supply, or it keeps none.
+    Nothing,
+    /// It goes on: triggers are answered.
+    FliesOn,
+    /// The camera is prepared as it was; it was not armed, or was to be switched off.
+    StandsBy,
+    /// As [`Self::StandsBy`], because its settings say so.
+    SwitchedOff,
+    /// As [`Self::StandsBy`], because it has gone on after [`RESETS_IN_A_ROW`] resets in a row.
+    ResetAgain,
+    /// All that was kept of it is damaged, and nothing of it is used.
+    Damaged,
+    /// Another build of the firmware has kept it.
+    OtherBuild,
+    /// Its settings are damaged: the camera is not prepared, and has the records.
+    SettingsDamaged,
+    /// Its calibration is damaged, or is no more the stored one; as before.
+    NoCalibration,
+    /// Its calibration was loaded with residual grids, which are not kept; as before.
+    NoGrids,
+    /// The camera cannot be prepared with these settings any more; as before.
+    NotFlyable,
+}
+
+/// Number of resets in a row after which a flight goes on by itself, each within [`STEADY_S`] after
+/// the one before. After one more the camera stays disarmed.
+pub const RESETS_IN_A_ROW: u8 = 3;
+
+/// Time in flight without a reset after which resets are counted anew, s.
+pub const STEADY_S: f32 = 10.0;
+
+impl FlightAfterReset {
+    /// The words for it.
+    #[must_use]
+    pub const fn describe(self) -> &'static str {
+        match self {
+            Self::Nothing => "no flight",
+            Self::FliesOn => "the flight goes on, without force on the stage",
+            Self::StandsBy => "the flight is prepared, and not armed",
+            Self::SwitchedOff => "the flight does not go on by its settings",
+            Self::ResetAgain => "the flight does not go on: resets follow each other",
+            Self::Damaged => "what was kept of the flight is damaged",
+            Self::OtherBuild => "another build of the firmware has kept the flight",
+            Self::SettingsDamaged => "the flight cannot go on: its settings are damaged",
+            Self::NoCalibration => "the flight cannot go on: its calibration is gone",
+            Self::NoGrids => "the flight cannot go on: its residual grids are gone",
+            Self::NotFlyable => "the flight cannot go on: the camera cannot be prepared",
+        }
+    }
+}
+
+impl fmt::Display for FlightAfterReset {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.describe())
+    }
+}

@@ -1,0 +1,137 @@
+//! Copies of the flight in memory that a reset leaves alone.
+
+use super::after_reset::STEADY_S;
+use super::flight_memory::{FlightMemory, KeptFlight, KeptHead, KeptRecord};
+use crate::flight::camera::CameraParameters;
+use crate::flight::controller::Controller;
+use crate::flight::settings::FlightSettings;
+use crate::flight::time::Time;
+
+/// Copies of a flight.
+#[derive(Debug)]
+pub(super) struct FlightKeeper {
+    /// `None` in a camera without such memory.
+    pub(super) memory: Option<&'static FlightMemory>,
+    pub(super) head: KeptHead,
+    /// Time of the last round that is kept.
+    last: Option<Time>,
+    /// Time of the first round after the start.
+    first: Option<Time>,
+    /// The camera is to be switched off: the flight does not go on.
+    is_ending: bool,
+}
+
+impl FlightKeeper {
+    /// No memory.
+    pub(super) const NONE: Self = Self {
+        memory: None,
+        head: KeptHead {
+            build: 0,
+            writing: 0,
+            boot: 1,
+            flight: 0,
+            resumed: 0,
+            prepared: None,
+        },
+        last: None,
+        first: None,
+        is_ending: false,
+    };
+
+    /// Keeps a flight for which the camera has been prepared.
+    #[inline(never)]
+    pub(super) fn begin(
+        &mut self,
+        settings: &FlightSettings,
+        parameters: Option<&CameraParameters>,
+        controller: Option<&Controller>,
+    ) {
+        self.head.flight = self.head.flight.saturating_add(1);
+        self.head.resumed = 0;
+        self.head.prepared = None;
+        let Some(memory) = self.memory else {
+            return;
+        };
+        // Until the settings are whole there is no flight.
+        self.write_head();
+        let (Some(parameters), Some(controller)) = (parameters, controller) else {
+            return;
+        };
+        if let (Some(calibration), Some(settings), Some(())) = (
+            controller.calibration(),
+            memory.write_settings(settings),
+            memory.write_parameters(parameters),
+        ) {
+            self.head.prepared = Some(KeptFlight {
+                calibration,
+                settings,
+                state: controller.flight_state(),
+            });
+            self.write_head();
+        }
+    }
+
+    /// Forgets the flight: its camera is to be prepared anew.
+    pub(super) fn end(&mut self) {
+        if self.head.prepared.take().is_some() {
+            self.write_head();
+        }
+    }
+
+    /// Notes that the camera is to be switched off.
+    pub(super) const fn note_power_off(&mut self) {
+        self.is_ending = true;
+    }
+
+    /// Copies what has changed.
+    #[inline]
+    pub(super) fn keep(&mut self, controller: Option<&mut Controller>) {
+        let (Some(memory), Some(kept)) = (self.memory, self.head.prepared) else {
+            return;
+        };
+        let Some(controller) = controller else {
+            return;
+        };
+        while let Some(unkept) = controller.next_unkept() {
+            self.head.writing = self.head.writing.wrapping_add(1);
+            let record = KeptRecord {
+                flight: self.head.flight,
+                writing: self.head.writing,
+                is_pending: unkept.is_pending,
+                record: unkept.record,
+            };
+            memory.write_record(&record, unkept.slot, unkept.outdated);
+            controller.note_kept(unkept.record.sequence, unkept.slot);
+        }
+        let mut state = controller.flight_state();
+        state.is_flying &= !self.is_ending;
+        if state != kept.state {
+            if state.is_flying && !kept.state.is_flying {
+                // Somebody has armed the camera.
+                self.head.resumed = 0;
+            }
+            self.head.prepared = Some(KeptFlight { state, ..kept });
+            self.write_head();
+        }
+        let now = controller.last_event();
+        if now != self.last
+            && let Some(now) = now
+        {
+            self.last = Some(now);
+            memory.write_time(now);
+            let first = *self.first.get_or_insert(now);
+            if self.head.resumed > 0 && now.seconds_since(first) > STEADY_S {
+                self.head.resumed = 0;
+                self.write_head();
+            }
+        }
+    }
+
+    /// Writes the state anew.
+    pub(super) fn write_head(&mut self) {
+        if let Some(memory) = self.memory {
+            self.head.writing = self.head.writing.wrapping_add(1);
+            memory.write_head(&self.head);
+        }
+    }
+}

@@ -1,0 +1,99 @@
+//! Resets between any two stores.
+
+use super::words::reset;
+use super::{FlightMemory, KeptHead, KeptRecord};
+use crate::flight::fault::Faults;
+use crate::flight::flag::Flags;
+use crate::flight::frame_record::{Outcome, Reason};
+use crate::flight::record_log::Entry;
+use crate::flight::time::Time;
+
+fn head(writing: u32) -> KeptHead {
+    KeptHead {
+        build: 0xb11d,
+        writing,
+        boot: 3,
+        flight: 7,
+        resumed: 1,
+        prepared: None,
+    }
+}
+
+fn record(writing: u32, reason: Reason) -> KeptRecord {
+    KeptRecord {
+        flight: 7,
+        writing,
+        is_pending: false,
+        record: Entry {
+            sequence: 12,
+            trigger: Time::from_us(1_234_567),
+            outcome: Outcome::Refused(reason),
+            faults: Faults::NONE,
+            flags: Flags::NONE,
+        },
+    }
+}
+
+/// Carries out a writing with a reset after each number of its stores; returns their number.
+fn with_resets(write: impl Fn(&FlightMemory), check: impl Fn(&FlightMemory, bool)) -> u32 {
+    let before = |memory: &FlightMemory| {
+        memory.write_head(&head(1));
+        memory.write_record(&record(1, Reason::Overlap), 4, None);
+        memory.write_time(Time::from_us(0x1_0000_0001));
+    };
+    let mut stores = 0;
+    loop {
+        let memory = FlightMemory::blank();
+        before(&memory);
+        reset::after(Some(stores));
+        write(&memory);
+        let is_whole = reset::left() != Some(0);
+        reset::after(None);
+        check(&memory, is_whole);
+        if is_whole {
+            return stores;
+        }
+        stores += 1;
+    }
+}
+
+#[test]
+fn reset_after_any_store_leaves_the_state_before_or_after() {
+    let stores = with_resets(
+        |memory| memory.write_head(&head(2)),
+        |memory, is_whole| {
+            let found = memory.head();
+            let is_new = found == Some(head(2));
+            assert!(is_new || found == Some(head(1)) && !is_whole, "{found:?}");
+        },
+    );
+    assert!(stores > 5, "{stores}");
+}
+
+#[test]
+fn reset_after_any_store_leaves_a_record_that_changes_as_it_was_or_as_it_is() {
+    let (old, new) = (record(1, Reason::Overlap), record(2, Reason::Stroke));
+    let stores = with_resets(
+        |memory| memory.write_record(&new, 9, Some(4)),
+        |memory, is_whole| {
+            let found = [4, 9].map(|slot| memory.record(slot));
+            let kept = [[Some(old), None], [Some(old), Some(new)], [None, Some(new)]];
+            assert!(kept.contains(&found), "{found:?}");
+            assert!(!is_whole || found == kept[2]);
+        },
+    );
+    assert!(stores > 5, "{stores}");
+}
+
+#[test]
+fn reset_after_any_store_leaves_the_time_of_a_round() {
+    let (old, new) = (0x1_0000_0001, 0x2_0000_0000);
+    let stores = with_resets(
+        |memory| memory.write_time(Time::from_us(new)),
+        |memory, is_whole| {
+            let found = memory.time().map(Time::us);
+            assert!(found == Some(new) || found == Some(old) && !is_whole);
+        },
+    );
+    assert_eq!(stores, 9, "one more than are made");
+}
