@@ -3,8 +3,8 @@
 /// Bits behind the last place of the longer side's square.
 const GUARD_BITS: u32 = 14;
 
-/// Bits of the upper half of the sum, which is rounded: at least 29 of them are significant, and the
-/// lowest one stands for all below it.
+/// Bits of the upper half of the sum, which is rounded: at least 29 of them are significant, and
+/// the lowest one stands for all below it.
 const UPPER_BITS: u32 = 32;
 
 /// Difference of the exponents from which the shorter side does not matter.

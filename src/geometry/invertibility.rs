@@ -185,7 +185,8 @@ struct Common {
     mixed: Interval,
 }
 
-/// Coefficients in which the derivatives of one component of the distortion differ from the other's.
+/// Coefficients in which the derivatives of one component of the distortion differ from those of
+/// the other.
 struct Component {
     h: f32,
     other_h: f32,

@@ -86,8 +86,8 @@ impl PrincipalPointMotion {
         }
     }
 
-    /// Returns the motion of the charge of a TDI sensor, which follows this one of the image in rows
-    /// of `pixel_mm`.
+    /// Returns the motion of the charge of a TDI sensor, which follows this one of the image in
+    /// rows of `pixel_mm`.
     ///
     /// # Model
     /// `c̄ = Δδ ± p·M` with M of [`mean_transfers`] and the sign of v; the moments are those of the

@@ -29,6 +29,7 @@ use fmc_camera::geometry::principal_distance::FocusSign;
 use fmc_camera::geometry::range::Quantity;
 use fmc_camera::geometry::sensor::FmcAxis;
 use fmc_camera::geometry::shutter::ShutterProfile;
+use fmc_camera::io::link::after_reset::FlightAfterReset;
 use fmc_camera::io::link::message::{Answer, Ending, Header, Refusal, Request, ResetCause};
 use fmc_camera::io::store::{
     NotStored, NothingStored, OriginError, SlotFault, StoreStep, StoredIdentity,
@@ -64,6 +65,7 @@ pub(super) fn registry() -> Registry {
         Fault,
         FitError,
         Flag,
+        FlightAfterReset,
         FlightDirection,
         FmcAxis,
         FocusSign,
