@@ -20,7 +20,7 @@ mod journal;
 
 #[cfg(board)]
 use {
-    board::Board,
+    board::{Board, Deck},
     fmc_camera::flight::grid_memory::GridMemory,
     fmc_camera::io::link::{
         message::{Identity, ResetCause},
@@ -45,12 +45,20 @@ fn main() {
     println!("This is the camera's firmware; `cargo xtask firmware` builds it for the target.");
 }
 
+/// Returns the camera's end of the link, in a frame of its own: that of the main loop would hold
+/// the deck twice, on its way and in its place.
+#[cfg(board)]
+#[inline(never)]
+fn station(start: ResetCause) -> Station<Deck> {
+    let identity = Identity::new(BUILD, Board::NAME, Board::CAN_POWER_OFF, start);
+    Station::with(identity, Board::stack_used_bytes, Board::deck(start))
+}
+
 /// Runs the main loop, once the board has started.
 #[cfg(board)]
 fn run(mut board: Board, start: ResetCause) -> ! {
     journal::note_start(Board::NAME, BUILD, start);
-    let identity = Identity::new(BUILD, Board::NAME, Board::CAN_POWER_OFF, start);
-    let mut station = Station::with(identity, Board::stack_used_bytes, Board::deck(start));
+    let mut station = station(start);
     if let Some(memory) = GRIDS.try_take() {
         station.keep_grids_in(memory);
     }

@@ -42,7 +42,7 @@ use mps2 as chosen;
 #[cfg(feature = "board-nucleo-h743zi")]
 use nucleo_h743zi as chosen;
 
-pub(crate) use chosen::Board;
+pub(crate) use chosen::{Board, Deck};
 use chosen::{stop_after_fault, stop_after_panic};
 
 #[cortex_m_rt::entry]

@@ -70,19 +70,19 @@ pub(super) fn lines() -> LineLevels {
         let levels = port.idr().read().0;
         move |line: u32| levels.wrapping_shr(line) & 1 != 0
     };
-    let (a, b, c) = (port(pac::GPIOA), port(pac::GPIOB), port(pac::GPIOC));
-    let (d, e) = (port(pac::GPIOD), port(pac::GPIOE));
+    let [port_a, port_b, port_c, port_d, port_e] =
+        [pac::GPIOA, pac::GPIOB, pac::GPIOC, pac::GPIOD, pac::GPIOE].map(port);
     LineLevels {
-        trigger: a(0),
-        time_pulse: b(3),
-        shutter_opened: b(10),
-        shutter_closed: b(11),
-        index: d(14),
-        encoder_a: d(12),
-        encoder_b: d(13),
-        limit_low: c(8),
-        limit_high: c(9),
-        brake: e(15),
+        trigger: port_a(0),
+        time_pulse: port_b(3),
+        shutter_opened: port_b(10),
+        shutter_closed: port_b(11),
+        index: port_d(14),
+        encoder_a: port_d(12),
+        encoder_b: port_d(13),
+        limit_low: port_c(8),
+        limit_high: port_c(9),
+        brake: port_e(15),
     }
 }
 
