@@ -336,6 +336,13 @@ impl IndexWatch {
         self.reference.is_some()
     }
 
+    /// Begins with the exposure of this number: a crossing tells nothing of those before.
+    #[cfg(feature = "link")]
+    pub(crate) const fn begin_at(&mut self, sequence: u32) {
+        self.crossed_before = sequence;
+        self.first_since = sequence;
+    }
+
     /// Notes exposures that are in doubt.
     pub(crate) fn doubt(&mut self, exposures: InDoubt) {
         self.in_doubt = Some(match self.in_doubt {

@@ -107,6 +107,14 @@ pub(crate) struct Extent {
     pub(crate) refused: Option<Range>,
 }
 
+#[cfg(feature = "link")]
+impl Extent {
+    /// The oldest record that is left, and the range that stands for several.
+    pub(crate) const fn left(&self) -> (u32, Option<Range>) {
+        (self.first_left, self.refused)
+    }
+}
+
 /// The number of a trigger.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Numbered {

@@ -7,6 +7,7 @@ use fmc_camera::flight::frame_record::{Flag, FrameRecord, Outcome, Reason};
 use fmc_camera::flight::record_log::CAPACITY;
 use fmc_camera::flight::settings::FlightSettings;
 use fmc_camera::io::link::after_reset::{AfterReset, FlightAfterReset, RESETS_IN_A_ROW, STEADY_S};
+use fmc_camera::io::link::deck::FlightDeck;
 use fmc_camera::io::link::flight_memory::FlightMemory;
 use fmc_camera::io::link::message::{
     Answer, Ending, FetchedRecord, Refusal, Request, ResetCause, Status,
@@ -79,6 +80,11 @@ fn status(flight: &mut Flight) -> Status {
         Answer::Status(status) => status,
         other => panic!("{other:?}"),
     }
+}
+
+/// Returns the number of the flight in the status.
+fn status_of_flight(flight: &mut Flight) -> u32 {
+    status(flight).after_reset.flight
 }
 
 /// Runs rounds until triggers are answered; returns how many it took.
@@ -224,21 +230,14 @@ fn resets_that_follow_each_other_end_in_a_camera_that_stays_disarmed_and_is_name
         assert_eq!(after_reset(&flight).outcome, FlightAfterReset::FliesOn);
         rounds_until_degraded(&mut flight);
     }
-    for _ in 0..2 {
-        let mut flight = Flight::after_reset(ResetCause::Watchdog, memory);
-        let outcome = after_reset(&flight).outcome;
-        assert!(
-            [FlightAfterReset::ResetAgain, FlightAfterReset::StandsBy].contains(&outcome),
-            "{outcome}"
-        );
-        assert_eq!(all_records(&mut flight).len(), 1);
-        for _ in 0..200 {
-            let state = flight.round(None).state;
-            assert_eq!(state, State::Fault(Fault::Watchdog));
-        }
+    let mut flight = Flight::after_reset(ResetCause::Watchdog, memory);
+    assert_eq!(after_reset(&flight).outcome, FlightAfterReset::ResetAgain);
+    assert_eq!(all_records(&mut flight).len(), 1);
+    for _ in 0..200 {
+        let state = flight.round(None).state;
+        assert_eq!(state, State::Fault(Fault::Watchdog));
     }
     // Somebody arms it: it goes on again.
-    let mut flight = Flight::after_reset(ResetCause::Watchdog, memory);
     flight.arm();
     let flight = Flight::after_reset(ResetCause::Watchdog, memory);
     assert_eq!(after_reset(&flight).outcome, FlightAfterReset::FliesOn);
@@ -278,8 +277,7 @@ fn camera_whose_calibration_is_gone_is_not_flown_and_has_the_records() {
     let found = after_reset(&flight);
     assert_eq!(found.outcome, FlightAfterReset::NoCalibration);
     assert_eq!(found.records, 1);
-    let refused = Answer::Refused(Refusal::NotPrepared);
-    assert_eq!(flight.pc.ask(&Request::Status), refused);
+    assert_eq!(status(&mut flight).kept, 1);
     assert_eq!(all_records(&mut flight), before);
     let kept = Answer::Refused(Refusal::RecordsKept(1));
     assert_eq!(flight.pc.load(&camera_parameters()), kept);
@@ -287,6 +285,8 @@ fn camera_whose_calibration_is_gone_is_not_flown_and_has_the_records() {
     let mut flight = Flight::after_reset(ResetCause::Watchdog, memory);
     assert_eq!(all_records(&mut flight), before);
     assert_eq!(flight.pc.acknowledge(1), Answer::Kept(0));
+    let refused = Answer::Refused(Refusal::NotPrepared);
+    assert_eq!(flight.pc.ask(&Request::Status), refused);
     let loaded = flight.pc.load(&camera_parameters());
     assert!(matches!(loaded, Answer::Loaded(_)), "{loaded:?}");
     let prepare = Request::Prepare(FlightSettings::default());
@@ -308,6 +308,50 @@ fn memory_of_another_build_and_memory_without_contents_are_no_flight() {
         let words = [word; FlightMemory::WORDS];
         let flight = Flight::after_reset(ResetCause::Watchdog, of_words(&words));
         assert_eq!(after_reset(&flight).outcome, FlightAfterReset::Damaged);
+    }
+}
+
+#[test]
+fn records_of_another_build_are_none_of_the_next_flight() {
+    let (mut flight, memory) = armed(&FlightSettings::default());
+    for _ in 0..4 {
+        expose(&mut flight);
+    }
+    let mut flight = Flight::of_build("another build", ResetCause::Requested, memory);
+    let found = after_reset(&flight);
+    assert_eq!(
+        (found.outcome, found.records, found.flight),
+        (FlightAfterReset::OtherBuild, 0, 0)
+    );
+    let loaded = flight.pc.load(&camera_parameters());
+    assert!(matches!(loaded, Answer::Loaded(_)), "{loaded:?}");
+    assert_eq!(flight.prepare(), Answer::Prepared);
+    assert_eq!(status_of_flight(&mut flight), 1);
+    flight.arm();
+    expose(&mut flight);
+    let own = all_records(&mut flight);
+    let mut flight = Flight::of_build("another build", ResetCause::Watchdog, memory);
+    assert_eq!(after_reset(&flight).outcome, FlightAfterReset::FliesOn);
+    assert_eq!(own.len(), 1);
+    assert_eq!(all_records(&mut flight), own);
+}
+
+#[test]
+fn camera_whose_preparation_may_lead_to_the_reset_is_prepared_no_more() {
+    let (mut flight, memory) = armed(&FlightSettings::default());
+    expose(&mut flight);
+    let before = all_records(&mut flight);
+    flight.round(Some(Event::Command(Command::Disarm)));
+    flight.run_until(State::Standby);
+    for _ in 0..=RESETS_IN_A_ROW {
+        let flight = Flight::after_reset(ResetCause::Fault, memory);
+        assert_eq!(after_reset(&flight).outcome, FlightAfterReset::StandsBy);
+    }
+    for _ in 0..2 {
+        let mut flight = Flight::after_reset(ResetCause::Fault, memory);
+        assert_eq!(after_reset(&flight).outcome, FlightAfterReset::ResetAgain);
+        assert!(flight.pc.station.deck_mut().controller().is_none());
+        assert_eq!(all_records(&mut flight), before);
     }
 }
 

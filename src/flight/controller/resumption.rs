@@ -5,6 +5,7 @@ use super::readiness::Mode;
 use crate::flight::calibration_id::CalibrationId;
 use crate::flight::fault::{Fault, Faults};
 use crate::flight::frame_record::{Flags, Outcome, Reason};
+use crate::flight::in_doubt::InDoubt;
 use crate::flight::record_log::{Entry, Extent, RecordLog, Slot, Unkept};
 use crate::flight::time::Time;
 
@@ -21,16 +22,25 @@ pub(crate) struct FlightState {
     /// shutter that the camera had not commanded.
     counts: [u32; 4],
     pub(crate) records: Extent,
+    /// Exposures in doubt, with those that a crossing of the index mark is still to confirm: none
+    /// will come before somebody may have moved the stage.
+    pub(crate) in_doubt: Option<InDoubt>,
 }
 
 impl Controller {
     /// The state that outlives a reset.
     pub(crate) fn flight_state(&self) -> FlightState {
+        let mut unconfirmed = self.stage.unconfirmed;
+        let in_doubt = match (self.stage.index.in_doubt(), unconfirmed.take()) {
+            (Some(doubted), Some(waiting)) => Some(doubted.with(waiting)),
+            (doubted, waiting) => doubted.or(waiting),
+        };
         FlightState {
             is_flying: self.readiness.is_flying(),
             exposure_s: self.exposure_s,
             counts: self.frame.kept.counts(),
             records: self.frame.kept.records().extent(),
+            in_doubt,
         }
     }
 
@@ -54,6 +64,15 @@ impl Controller {
     pub(crate) fn take_over(&mut self, state: &FlightState) {
         self.exposure_s = state.exposure_s;
         self.frame.kept.resume(state.counts, &state.records);
+        let next = state.records.last_sequence.saturating_add(1);
+        self.stage.index.begin_at(next);
+    }
+
+    /// Leaves the exposures in doubt that were so before the reset, once their records have been
+    /// taken up.
+    pub(crate) fn doubt_again(&mut self, exposures: InDoubt) {
+        self.stage.index.doubt(exposures);
+        self.records_mut().doubt(&exposures);
     }
 
     /// Takes over the next record of the flight before the reset. Returns `false` if there is no
@@ -95,5 +114,37 @@ impl Controller {
 
     const fn records_mut(&mut self) -> &mut RecordLog {
         self.frame.kept.records_mut()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::flight::unconfirmed::Waiting;
+
+    #[test]
+    fn exposure_that_waits_for_a_crossing_is_in_doubt_after_the_reset() {
+        let mut before = Controller::new();
+        assert_eq!(before.flight_state().in_doubt, None);
+        before.stage.unconfirmed.wait(&Waiting {
+            sequence: 7,
+            is_referenced: true,
+            awaits_pair: false,
+            lost_mm: 0.009,
+        });
+        let waiting = InDoubt::between([7; 2], 0.009, false);
+        assert_eq!(before.flight_state().in_doubt, Some(waiting));
+        before
+            .stage
+            .index
+            .doubt(InDoubt::between([3, 5], 0.004, true));
+        let in_doubt = before.flight_state().in_doubt.unwrap();
+        assert!(in_doubt.contains(3) && in_doubt.contains(7) && in_doubt.is_fault);
+        // What is kept leaves the camera as it is.
+        assert_eq!(before.flight_state().in_doubt, Some(in_doubt));
+        let mut again = Controller::new();
+        again.take_over(&before.flight_state());
+        again.doubt_again(in_doubt);
+        assert_eq!(again.in_doubt(), Some(in_doubt));
     }
 }

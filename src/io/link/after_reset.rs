@@ -53,6 +53,8 @@ pub enum FlightAfterReset {
     /// As [`Self::StandsBy`], because its settings say so.
     SwitchedOff,
     /// As [`Self::StandsBy`], because it has gone on after [`RESETS_IN_A_ROW`] resets in a row.
+    /// After one more the camera is not even prepared, which may be what leads to the reset: it
+    /// holds the records.
     ResetAgain,
     /// All that was kept of it is damaged, and nothing of it is used.
     Damaged,
@@ -69,7 +71,7 @@ pub enum FlightAfterReset {
 }
 
 /// Number of resets in a row after which a flight goes on by itself, each within [`STEADY_S`] after
-/// the one before. After one more the camera stays disarmed.
+/// the one before. After one more the camera stays disarmed, and after the next unprepared.
 pub const RESETS_IN_A_ROW: u8 = 3;
 
 /// Time in flight without a reset after which resets are counted anew, s.

@@ -393,9 +393,11 @@ pub(super) fn acknowledge(
     Ok(controller.acknowledge(sequence))
 }
 
-/// Status of the flight, after this start.
+/// Status of the flight, or of a camera that holds the records of one; after this start.
 pub(super) fn status(deck: &impl FlightDeck, after_reset: AfterReset) -> Result<Status, Refusal> {
-    let controller = deck.controller().ok_or(Refusal::NotPrepared)?;
+    let holder = || deck.record_holder().filter(|holder| holder.kept() > 0);
+    let controller = deck.controller().or_else(holder);
+    let controller = controller.ok_or(Refusal::NotPrepared)?;
     Ok(Status {
         state: controller.state(),
         counts: controller.counts(),

@@ -3,7 +3,7 @@
 use super::after_reset::STEADY_S;
 use super::flight_memory::{FlightMemory, KeptFlight, KeptHead, KeptRecord};
 use crate::flight::camera::CameraParameters;
-use crate::flight::controller::Controller;
+use crate::flight::controller::{Controller, FlightState};
 use crate::flight::settings::FlightSettings;
 use crate::flight::time::Time;
 
@@ -92,6 +92,13 @@ impl FlightKeeper {
         let Some(controller) = controller else {
             return;
         };
+        let mut state = controller.flight_state();
+        state.is_flying &= !self.is_ending;
+        let are_told = |state: &FlightState| (state.records.left(), state.in_doubt);
+        if are_told(&state) != are_told(&kept.state) {
+            // Before records that are written into the slots of acknowledged ones.
+            self.note_state(kept, state);
+        }
         while let Some(unkept) = controller.next_unkept() {
             self.head.writing = self.head.writing.wrapping_add(1);
             let record = KeptRecord {
@@ -103,15 +110,8 @@ impl FlightKeeper {
             memory.write_record(&record, unkept.slot, unkept.outdated);
             controller.note_kept(unkept.record.sequence, unkept.slot);
         }
-        let mut state = controller.flight_state();
-        state.is_flying &= !self.is_ending;
-        if state != kept.state {
-            if state.is_flying && !kept.state.is_flying {
-                // Somebody has armed the camera.
-                self.head.resumed = 0;
-            }
-            self.head.prepared = Some(KeptFlight { state, ..kept });
-            self.write_head();
+        if self.head.prepared.is_none_or(|kept| state != kept.state) {
+            self.note_state(kept, state);
         }
         let now = controller.last_event();
         if now != self.last
@@ -125,6 +125,16 @@ impl FlightKeeper {
                 self.write_head();
             }
         }
+    }
+
+    /// Notes another state of the flight that was kept.
+    fn note_state(&mut self, kept: KeptFlight, state: FlightState) {
+        if state.is_flying && !kept.state.is_flying {
+            // Somebody has armed the camera.
+            self.head.resumed = 0;
+        }
+        self.head.prepared = Some(KeptFlight { state, ..kept });
+        self.write_head();
     }
 
     /// Writes the state anew.

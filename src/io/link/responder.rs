@@ -1,5 +1,6 @@
 //! The camera's answers to the requests of a session.
 
+use super::after_reset::AfterReset;
 use super::contents::Contents;
 use super::deck::{self, FlightDeck};
 use super::fitting::Fitting;
@@ -303,7 +304,13 @@ impl<Deck: FlightDeck> Responder<Deck> {
             Request::Acknowledge(fetched) => {
                 Answer::Kept(deck::acknowledge(&mut self.deck, *fetched)?)
             }
-            Request::Status => Answer::Status(deck::status(&self.deck, self.identity.after_reset)?),
+            Request::Status => {
+                let after_reset = AfterReset {
+                    flight: self.keeper.head.flight,
+                    ..self.identity.after_reset
+                };
+                Answer::Status(deck::status(&self.deck, after_reset)?)
+            }
             Request::Stored => self.shelf.tell()?,
             Request::Inputs => Answer::Inputs(self.deck.inputs().ok_or(Refusal::NoInputs)?),
             _ => return Err(Refusal::ReadingOnly),

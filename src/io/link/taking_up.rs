@@ -49,6 +49,8 @@ impl<Deck: FlightDeck> Responder<Deck> {
         let last_round = flight.and_then(|_| memory.time());
         let (outcome, taken_up) = match (outcome, flight) {
             (Some(outcome), _) => {
+                // Records of another numbering would be taken for those of this one.
+                memory.clear();
                 self.keeper.write_head();
                 (outcome, TakenUp::default())
             }
@@ -85,21 +87,22 @@ impl<Deck: FlightDeck> Responder<Deck> {
                 outcome = FlightAfterReset::ResetAgain;
             }
         }
-        if outcome == FlightAfterReset::FliesOn {
-            // It is counted before anything is done that may lead to the same reset.
-            self.keeper.head.resumed = self.keeper.head.resumed.saturating_add(1);
-        } else {
-            kept.state.is_flying = false;
-        }
+        kept.state.is_flying &= outcome == FlightAfterReset::FliesOn;
+        // It is counted before anything is done that may lead to the same reset.
+        let before = self.keeper.head.resumed;
+        self.keeper.head.resumed = before.saturating_add(1);
         self.keeper.head.prepared = Some(kept);
         self.keeper.write_head();
-        let outcome = match self.prepare_again(memory, &flight, outcome) {
-            Ok(outcome) => outcome,
-            Err(refused) => {
-                self.deck.hold_records(flight.calibration);
-                refused
-            }
+        let prepared = if before > RESETS_IN_A_ROW {
+            // To be prepared may be what leads to the reset.
+            Err(FlightAfterReset::ResetAgain)
+        } else {
+            self.prepare_again(memory, &flight, outcome)
         };
+        let outcome = prepared.unwrap_or_else(|refused| {
+            self.deck.hold_records(flight.calibration);
+            refused
+        });
         if let Some(prepared) = &mut self.keeper.head.prepared {
             prepared.state.is_flying &= outcome == FlightAfterReset::FliesOn;
         }
@@ -201,6 +204,9 @@ impl<Deck: FlightDeck> Responder<Deck> {
                     controller.take_up_unfinished(sequence, Time::START, None);
                 }
             }
+        }
+        if let Some(exposures) = state.in_doubt {
+            controller.doubt_again(exposures);
         }
         taken_up
     }

@@ -88,6 +88,14 @@ impl FlightMemory {
             .map(|word| word.load(Ordering::Relaxed))
     }
 
+    /// Takes all contents away, those of the state first.
+    pub(super) fn clear(&self) {
+        for at in 0..Self::WORDS {
+            store(&self.words, at, 0);
+        }
+        settle();
+    }
+
     /// Writes both copies of the state, one after the other.
     pub(super) fn write_head(&self, head: &KeptHead) {
         let mut buffer = [0; HEAD_BYTES];
