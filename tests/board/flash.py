@@ -41,6 +41,8 @@ class Bank:
         self.erasure_cycles = ERASURE_CYCLES
         # What has been begun: "erase" or "write", and an offset.
         self.operations = []
+        # Words in the processor's cache.
+        self.lines = {}
         # Called at the half of an operation with its number, from 0.
         self.half_way = None
         self.busy_until = 0
@@ -62,6 +64,7 @@ class Bank:
         self.locked_out = False
         self.failed_at = 0
         self.buffer = {}
+        self.lines = {}
         self.epoch = getattr(self, "epoch", 0) + 1
 
     # Registers.
@@ -135,7 +138,11 @@ class Bank:
         if word in self.corrected:
             self.status |= CORRECTED
             self.failed_at = word // WORD
-        return int.from_bytes(self.data[offset : offset + size], "little")
+        content = self.data[word : word + WORD]
+        if self.processor.caches(BANK_2 + offset):
+            # A line of the cache is a word, and what is written goes past it.
+            content = self.lines.setdefault(word, bytes(content))
+        return int.from_bytes(content[offset - word : offset - word + size], "little")
 
     def store(self, offset, size, value):
         """Takes bytes of a word into the buffer; whole it is written."""

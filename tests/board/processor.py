@@ -287,6 +287,20 @@ class Processor:
             self.failed = BUS_FAULT
             self.uc.emu_stop()
 
+    def caches(self, address):
+        """Returns true if a load comes from the cache: by its region, or by the default map, which
+        holds without a region, and where faults are masked unless HFNMIENA is set (ARMv7-M, B3.5)."""
+        control = self.private.get(MPU_CTRL, 0)
+        if not control & 1 or (self.is_fault_masked() and not control & 2):
+            return True
+        attributes = 1 << 17
+        for _, (base, found) in sorted(self.regions.items()):
+            length = 2 << (found >> 1 & 0x1F)
+            eighth = 8 * (address - base) // length
+            if found & 1 and 0 <= address - base < length and not found >> 8 + eighth & 1:
+                attributes = found
+        return bool(attributes >> 17 & 1)
+
     def is_fault_masked(self):
         return self.uc.reg_read(arm.UC_ARM_REG_FAULTMASK) & 1
 

@@ -16,8 +16,8 @@ use crate::flight::time::Time;
 pub(crate) struct FlightState {
     /// The camera is armed, or will be by itself when a fault has ended.
     pub(crate) is_flying: bool,
-    /// Exposure time of the frames to come, s.
-    exposure_s: f32,
+    /// Bits of the exposure time of the frames to come, s: a NaN is the same as itself.
+    exposure_bits: u32,
     /// Numbers of triggers, of records with an exposure, of records without, and of edges of the
     /// shutter that the camera had not commanded.
     counts: [u32; 4],
@@ -37,7 +37,7 @@ impl Controller {
         };
         FlightState {
             is_flying: self.readiness.is_flying(),
-            exposure_s: self.exposure_s,
+            exposure_bits: self.exposure_s.to_bits(),
             counts: self.frame.kept.counts(),
             records: self.frame.kept.records().extent(),
             in_doubt,
@@ -62,7 +62,7 @@ impl Controller {
     /// Takes over the state of the flight before the reset, after the controller has been
     /// restarted. Its records follow by [`Self::take_up`].
     pub(crate) fn take_over(&mut self, state: &FlightState) {
-        self.exposure_s = state.exposure_s;
+        self.exposure_s = f32::from_bits(state.exposure_bits);
         self.frame.kept.resume(state.counts, &state.records);
         let next = state.records.last_sequence.saturating_add(1);
         self.stage.index.begin_at(next);

@@ -64,6 +64,7 @@ impl FlightKeeper {
         ) {
             self.head.prepared = Some(KeptFlight {
                 calibration,
+                has_grids: !parameters.grids.is_empty(),
                 settings,
                 state: controller.flight_state(),
             });

@@ -117,7 +117,7 @@ impl<Deck: FlightDeck> Responder<Deck> {
         flight: &KeptFlight,
         outcome: FlightAfterReset,
     ) -> Result<FlightAfterReset, FlightAfterReset> {
-        self.calibrate_again(memory, &flight.calibration)?;
+        self.calibrate_again(memory, flight)?;
         let settings = memory.settings::<FlightSettings>(flight.settings);
         let settings = settings.ok_or(FlightAfterReset::SettingsDamaged)?;
         let outcome = match outcome {
@@ -138,8 +138,9 @@ impl<Deck: FlightDeck> Responder<Deck> {
     fn calibrate_again(
         &mut self,
         memory: &'static FlightMemory,
-        calibration: &CalibrationId,
+        flight: &KeptFlight,
     ) -> Result<(), FlightAfterReset> {
+        let calibration = &flight.calibration;
         let in_use = self.deck.camera().and_then(Camera::id);
         if in_use.as_ref() == Some(calibration) {
             return Ok(());
@@ -147,13 +148,13 @@ impl<Deck: FlightDeck> Responder<Deck> {
         if calibration.storage == Storage::Stored {
             return Err(FlightAfterReset::NoCalibration);
         }
+        if flight.has_grids {
+            return Err(FlightAfterReset::NoGrids);
+        }
         let parameters = memory.parameters::<CameraParameters>();
         let parameters = parameters.ok_or(FlightAfterReset::NoCalibration)?;
         if digest::of_camera(&parameters) != calibration.crc {
             return Err(FlightAfterReset::NoCalibration);
-        }
-        if !parameters.grids.is_empty() {
-            return Err(FlightAfterReset::NoGrids);
         }
         let loaded: Result<CalibrationId, Refusal> =
             self.put_into_use(parameters, calibration.crc, Storage::Volatile);

@@ -14,6 +14,17 @@ unsafe impl Sync for Place {}
 #[unsafe(link_section = ".kept.FLIGHT")]
 static PLACE: Place = Place(UnsafeCell::new(MaybeUninit::uninit()));
 
+/// Writes memory that has no contents yet, before anything waits: the start that follows a watchdog
+/// reads it.
+#[cfg(feature = "board-nucleo-h743zi")]
+pub(super) fn forget() {
+    let words = PLACE.0.get().cast::<u32>();
+    for index in 0..FlightMemory::WORDS {
+        // SAFETY: as in `find`, which has not been called yet.
+        unsafe { words.add(index).write_volatile(0) }
+    }
+}
+
 /// Returns the memory, once. After power on it has no contents, and is written before it is read:
 /// reading it could fail its error correction.
 pub(super) fn find(start: ResetCause) -> &'static FlightMemory {

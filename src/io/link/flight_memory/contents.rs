@@ -28,6 +28,8 @@ pub(crate) struct KeptHead {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub(crate) struct KeptFlight {
     pub(crate) calibration: CalibrationId,
+    /// The calibration has residual grids, which are not kept.
+    pub(crate) has_grids: bool,
     /// CRC-32 of the settings.
     pub(crate) settings: u32,
     pub(crate) state: FlightState,

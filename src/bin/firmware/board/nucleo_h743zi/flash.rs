@@ -163,7 +163,10 @@ fn write_word(offset: u32, word: &[u8]) -> Result<(), FlashError> {
         return Err(FlashError::NotBlank);
     }
     unlocked(|| {
-        bank().cr().modify(|w| w.set_pg(true));
+        bank().cr().modify(|w| {
+            w.set_ser(false);
+            w.set_pg(true);
+        });
         flash_words::write(offset, word);
         wait(WRITE_US)
     })
@@ -174,6 +177,7 @@ fn erase_sector(offset: u32) -> Result<(), FlashError> {
     let [sector, ..] = (offset / SECTOR).to_le_bytes();
     unlocked(|| {
         bank().cr().modify(|w| {
+            w.set_pg(false);
             w.set_ser(true);
             w.set_snb(sector);
         });

@@ -5,7 +5,7 @@ use core::arch::asm;
 
 use cortex_m::{
     asm::{dsb, isb},
-    peripheral::SCB,
+    peripheral::{MPU, SCB},
 };
 
 use super::regions::{BANK_2, BANK_2_BYTES};
@@ -19,6 +19,10 @@ type Pieces = [u32; WORD / size_of::<u32>()];
 /// `BFHFNMIGN` of the register CCR: an access whose bus fails is ignored where no fault can be
 /// taken (ARMv7-M, DDI 0403E, section B3.2.8).
 const IGNORE_BUS_FAULTS: u32 = 1 << 8;
+
+/// `HFNMIENA` of the register `MPU_CTRL`: the memory protection holds where faults are masked,
+/// too, and with it the kind of memory by which a load goes past the cache (section B3.5.3).
+const PROTECT_MASKED: u32 = 1 << 1;
 
 /// All bits of the fault of the bus in the register CFSR (BFSR); ones clear them.
 const BUS_FAULTS: u32 = 0xff << 8;
@@ -34,7 +38,8 @@ fn address_of(offset: u32) -> Option<usize> {
 ///
 /// Such a load raises a fault, which would restart the firmware, again and again if a start reads
 /// the word. With all faults but the non-maskable interrupt masked and `BFHFNMIGN` set, it returns
-/// any bits, and the fault's register tells of it.
+/// any bits, and the fault's register tells of it. `HFNMIENA` is set as long: without, the default
+/// map would hold, and the cache would answer, which no write to the bank reaches.
 pub(super) fn read(offset: u32) -> Option<[u8; WORD]> {
     let address = address_of(offset)?;
     let mut pieces = Pieces::default();
@@ -42,8 +47,9 @@ pub(super) fn read(offset: u32) -> Option<[u8; WORD]> {
     // they were not before, and are left as they were. The addresses are those of one aligned word
     // of the flash's second bank, in which Rust has nothing: any bits are valid.
     let has_failed = unsafe {
-        let registers = &*SCB::PTR;
+        let (registers, protection) = (&*SCB::PTR, &*MPU::PTR);
         asm!("cpsid f");
+        protection.ctrl.modify(|bits| bits | PROTECT_MASKED);
         registers.ccr.modify(|bits| bits | IGNORE_BUS_FAULTS);
         dsb();
         isb();
@@ -54,6 +60,7 @@ pub(super) fn read(offset: u32) -> Option<[u8; WORD]> {
         let has_failed = registers.cfsr.read() & BUS_FAULTS != 0;
         registers.cfsr.write(BUS_FAULTS);
         registers.ccr.modify(|bits| bits & !IGNORE_BUS_FAULTS);
+        protection.ctrl.modify(|bits| bits & !PROTECT_MASKED);
         dsb();
         isb();
         asm!("cpsie f");

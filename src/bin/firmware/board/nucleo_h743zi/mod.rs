@@ -228,8 +228,9 @@ fn reason_of_start() -> ResetCause {
     pac::RCC.rsr().modify(|w| w.set_rmvf(true));
     // After a brown-out memory is no more reliable than after power on.
     if flags.porrstf() || flags.borrstf() {
-        // The mark has no content yet; reading it could fail the memory's error correction.
+        // They have no contents yet; reading them could fail the memory's error correction.
         cause::forget();
+        flight_memory::forget();
         return ResetCause::PowerOn;
     }
     match cause::take() {
