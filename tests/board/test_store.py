@@ -200,6 +200,12 @@ class Store(unittest.TestCase):
         self.assertEqual(self.fault_of(board, *BANK_START, LOAD), BUS_FAULT)
         self.assertEqual(start_reason(board), ("fault", True))
 
+    def test_model_answers_from_the_cache_where_the_protection_does_not_hold(self):
+        flight = self.flight()
+        flight.board.processor.caches = lambda address: True
+        refused = flight.camera("store", *self.signed(flight, 1), code=3)
+        self.assertIn("otherwise than it was written", refused)
+
     def test_store_that_the_supply_cuts_leaves_the_calibration_before_or_the_new_one(self):
         kept = self.two_stored()
         # Operations of the second store: a further seal, the erasure, the body, commit word and seal.
