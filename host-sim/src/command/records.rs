@@ -4,8 +4,8 @@ mod following;
 mod growing_files;
 
 use std::fmt::Display;
-use std::io::Write;
-use std::path::PathBuf;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
 
 use fmc_camera::flight::frame_record::FrameRecord;
 use fmc_camera::flight::in_doubt::InDoubt;
@@ -34,10 +34,14 @@ pub(super) fn run(args: &RecordsArgs) -> Result<(), Failure> {
         return following::run(device.as_mut(), &args.out, earlier);
     }
     let mut recorded: Vec<FrameRecord> = Vec::new();
-    let mut next = 0;
+    let (mut next, mut last) = (0, None);
     while let Some(record) = device.fetch(next)? {
         next = record.sequence.saturating_add(1);
-        recorded.push(record);
+        last = Some(record.sequence);
+        match earlier.having(&record)? {
+            Some(folder) => has_already(folder, &record),
+            None => recorded.push(record),
+        }
     }
     let status = device.flight_status()?;
     earlier.check_before(&status, recorded.first())?;
@@ -56,10 +60,31 @@ pub(super) fn run(args: &RecordsArgs) -> Result<(), Failure> {
         None => Vec::new(),
     };
     // The records are on the disk only from here on.
-    if let Some(last) = recorded.last() {
-        device.are_safe(last.sequence)?;
+    if let Some(last) = last {
+        device.are_safe(last)?;
     }
     report(&recorded, in_doubt.as_ref(), &earlier, &marked)
+}
+
+/// Tells of a record that is not written again.
+fn has_already(folder: &Path, record: &FrameRecord) {
+    note(format_args!(
+        "note: {}: has record {} already",
+        folder.display(),
+        record.sequence
+    ));
+}
+
+/// Prints what has been marked in folders of earlier records.
+fn write_marked(sink: &mut dyn Write, marked: &[(PathBuf, usize)]) -> io::Result<()> {
+    for (folder, count) in marked {
+        writeln!(
+            sink,
+            "{}: {count} records in doubt, marked",
+            folder.display()
+        )?;
+    }
+    Ok(())
 }
 
 /// Prints what has been fetched, and what has been marked in folders of earlier records.
@@ -89,13 +114,6 @@ fn report(
                 records::crc32(recorded)
             )?,
         }
-        for (folder, count) in marked {
-            writeln!(
-                sink,
-                "{}: {count} records in doubt, marked",
-                folder.display()
-            )?;
-        }
-        Ok(())
+        write_marked(sink, marked)
     })
 }

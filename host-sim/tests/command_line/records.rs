@@ -13,7 +13,7 @@ const MISSION: &str = include_str!("../../scenarios/faults/uart-cut.toml");
 const CAMERA: &str = include_str!("../../scenarios/cameras/mission.toml");
 
 /// Flies four frames, of which the records of the last three are not fetched. Returns the device.
-fn fly(bench: &Bench, port: &Port) -> String {
+pub(crate) fn fly(bench: &Bench, port: &Port) -> String {
     fs::create_dir(bench.path("cameras")).unwrap();
     fs::create_dir(bench.path("faults")).unwrap();
     fs::write(bench.path("cameras/mission.toml"), CAMERA).unwrap();
@@ -116,7 +116,7 @@ fn records_fetched_before_their_doubt_are_marked_in_their_files() {
         fs::write(bench.path("other").join(name), later).unwrap();
     }
     records("kept", &["other"]).refused(&["other/records.csv", "sequence 7", "below 2"]);
-    records("kept", &["nowhere"]).refused(&["nowhere/records.json"]);
+    records("kept", &["nowhere"]).refused(&["nowhere/records.csv"]);
     assert!(!bench.path("kept").exists());
 
     let fetched = records("kept", &["flight"]).ok();
