@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 
 use fmc_camera::flight::frame_record::FrameRecord;
 use fmc_camera::flight::in_doubt::InDoubt;
+use fmc_camera::io::link::message::Status;
 use fmc_frames::record_files::{CSV, JSON};
 use fmc_report::records;
 
@@ -33,6 +34,7 @@ pub(super) fn run(args: &RecordsArgs) -> Result<(), Failure> {
     if args.follow {
         return following::run(device.as_mut(), &args.out, earlier);
     }
+    let before = device.flight_status()?;
     let mut recorded: Vec<FrameRecord> = Vec::new();
     let (mut next, mut last) = (0, None);
     while let Some(record) = device.fetch(next)? {
@@ -44,6 +46,11 @@ pub(super) fn run(args: &RecordsArgs) -> Result<(), Failure> {
         }
     }
     let status = device.flight_status()?;
+    if is_another_flight(&before, &status) {
+        return Err(Failure::device_or_io(
+            "records: the camera has been prepared for another flight while they were fetched, and keeps its records; fetch them again",
+        ));
+    }
     earlier.check_before(&status, recorded.first())?;
     let in_doubt = status.in_doubt;
     let (mut csv, mut json) = (Vec::new(), Vec::new());
@@ -64,6 +71,12 @@ pub(super) fn run(args: &RecordsArgs) -> Result<(), Failure> {
         device.are_safe(last)?;
     }
     report(&recorded, in_doubt.as_ref(), &earlier, &marked)
+}
+
+/// Returns `true` if the camera has been prepared for another flight since.
+fn is_another_flight(before: &Status, now: &Status) -> bool {
+    now.counts.triggers < before.counts.triggers
+        || now.after_reset.flight != before.after_reset.flight
 }
 
 /// Tells of a record that is not written again.

@@ -96,12 +96,11 @@ impl Following<'_> {
     /// which nothing is kept.
     fn look(&mut self) -> Result<bool, DeviceError> {
         let status = self.device.flight_status()?;
-        let is_other = status.counts.triggers < self.status.counts.triggers
-            || status.after_reset.flight != self.status.after_reset.flight;
-        if !is_other {
-            self.status = status;
+        if super::is_another_flight(&self.status, &status) {
+            return Ok(false);
         }
-        Ok(!is_other)
+        self.status = status;
+        Ok(true)
     }
 
     /// Puts a record on the disk, and lets the camera forget it. Returns `false` if it may be one
