@@ -423,16 +423,13 @@ fn records_after_a_reset_are_of_the_flight_before_though_time_has_begun_anew() {
         flying.after_reset.outcome = outcome;
         (flying.kept, flying.triggers) = (vec![record], 3);
         let followed = flying.follow();
-        match rows {
-            Some(rows) => {
-                followed.unwrap();
-                assert_eq!((flying.rows(), flying.kept.len()), (rows, 0));
-            }
-            None => {
-                let text = followed.unwrap_err().text();
-                assert!(text.contains("trigger_us 2000000"), "{text}");
-                assert_eq!(flying.kept.len(), 1);
-            }
+        if let Some(rows) = rows {
+            followed.unwrap();
+            assert_eq!((flying.rows(), flying.kept.len()), (rows, 0));
+        } else {
+            let text = followed.unwrap_err().text();
+            assert!(text.contains("trigger_us 2000000"), "{text}");
+            assert_eq!(flying.kept.len(), 1);
         }
         fs::remove_dir_all(&flying.earlier[0]).unwrap();
     }
