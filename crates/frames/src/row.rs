@@ -265,6 +265,30 @@ impl<L: Names> Row<L> {
     }
 }
 
+impl Row<String> {
+    /// Returns `true` if flag, fault and σ cover exposures in doubt.
+    pub(crate) fn holds(&self, exposures: &InDoubt) -> bool {
+        let common_mm = self.principal_point_common_sigma_mm;
+        common_mm.is_some_and(|sigma_mm| sigma_mm >= exposures.off_mm.abs())
+            && self.flags.contains(Flag::Unreferenced.name())
+            && (!exposures.is_fault || self.faults.contains(Fault::Encoder.name()))
+    }
+
+    /// Returns `true` if it is the row of a record, apart from what a doubt changes.
+    pub(crate) fn is_of(&self, record: &FrameRecord) -> bool {
+        let theirs = Self::of(record);
+        *self
+            == Self {
+                principal_point_sigma_mm: self.principal_point_sigma_mm,
+                principal_point_common_sigma_mm: self.principal_point_common_sigma_mm,
+                faults: self.faults.clone(),
+                fault_codes: self.fault_codes.clone(),
+                flags: self.flags.clone(),
+                ..theirs
+            }
+    }
+}
+
 /// Writes records as `records.csv`: one row per trigger.
 ///
 /// # Errors

@@ -5,7 +5,8 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// A request to end: Ctrl-C, SIGTERM or SIGHUP, unless the caller has told the program to ignore
-/// them. The second such signal ends it at once.
+/// them. The second such signal ends it at once, and the next program removes the hidden files that
+/// it leaves.
 ///
 /// Elsewhere than on Unix nobody is heard, and Ctrl-C ends the program at once.
 #[derive(Debug, Clone, Default)]
@@ -25,6 +26,8 @@ impl Interruption {
             signal_hook::flag::register_conditional_shutdown(signal, ended, heard.0.clone())?;
             signal_hook::flag::register(signal, heard.0.clone())?;
         }
+        // The removal of hidden files ends the program otherwise.
+        crate::part::leave_signals_to_the_program();
         Ok(heard)
     }
 

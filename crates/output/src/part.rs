@@ -12,7 +12,7 @@ use std::sync::{Mutex, PoisonError};
 
 use hidden::HiddenFile;
 #[cfg(unix)]
-pub(crate) use hidden::handled as handled_signals;
+pub(crate) use hidden::{handled as handled_signals, leave_signals_to_the_program};
 
 /// A file that is being written: it has its name once it is complete, and is removed otherwise.
 ///
@@ -232,15 +232,16 @@ mod tests {
     #[cfg(unix)]
     mod interrupted {
         use std::os::unix::process::ExitStatusExt;
-        use std::process::{Command, Stdio};
+        use std::process::{Child, Command, Stdio};
         use std::thread;
         use std::time::{Duration, Instant};
 
         use rustix::process::{Pid, Signal, kill_process};
 
         use super::*;
+        use crate::interruption::Interruption;
 
-        /// Names the folder of [`program_that_waits_for_a_signal`].
+        /// Names the folder of a program.
         const FOLDER: &str = "FMC_OUTPUT_TEST_PART";
 
         #[test]
@@ -254,28 +255,77 @@ mod tests {
         }
 
         #[test]
+        #[ignore = "a program of its own, which the last test starts and interrupts"]
+        fn program_that_replaces_a_file_and_ends_when_it_is_asked() {
+            let folder = PathBuf::from(std::env::var_os(FOLDER).unwrap());
+            remove_on_signals();
+            let interruption = Interruption::listen().unwrap();
+            for text in ["first", "second"] {
+                let mut part = Part::create(folder.join("a.tif")).unwrap();
+                part.write_all(text.as_bytes()).unwrap();
+                part.complete().unwrap();
+            }
+            let mut written = Part::hidden(folder.join("b.tif")).unwrap();
+            written.write_all(b"whole").unwrap();
+            let until = Instant::now() + Duration::from_mins(1);
+            while !interruption.is_asked() && Instant::now() < until {
+                thread::sleep(Duration::from_millis(5));
+            }
+            // Time for another thread to end the program.
+            thread::sleep(Duration::from_millis(200));
+            written.complete().unwrap();
+        }
+
+        /// Starts a test of this module as a program on a folder.
+        fn start(test: &str, folder: &Path) -> Child {
+            let test = format!("{}::{test}", module_path!()).replacen("fmc_output::", "", 1);
+            Command::new(std::env::current_exe().unwrap())
+                .args(["--ignored", "--exact", &test])
+                .env(FOLDER, folder)
+                .stdout(Stdio::null())
+                .spawn()
+                .unwrap()
+        }
+
+        fn wait_for(is_there: impl Fn() -> bool) {
+            let until = Instant::now() + Duration::from_secs(30);
+            while !is_there() {
+                assert!(Instant::now() < until, "the program writes nothing");
+                thread::sleep(Duration::from_millis(5));
+            }
+        }
+
+        #[test]
+        fn program_that_is_asked_to_end_ends_by_itself_after_it_has_replaced_a_file() {
+            for signal in super::super::handled_signals() {
+                let signal = Signal::from_named_raw(signal).unwrap();
+                let folder = tempfile::tempdir().unwrap();
+                let mut program = start(
+                    "program_that_replaces_a_file_and_ends_when_it_is_asked",
+                    folder.path(),
+                );
+                let is_hidden = |name: &String| name.starts_with(".host-sim-");
+                wait_for(|| {
+                    let names = names(folder.path());
+                    names.iter().any(is_hidden)
+                        && fs::read(folder.path().join("a.tif")).is_ok_and(|text| text == b"second")
+                });
+                kill_process(Pid::from_child(&program), signal).unwrap();
+                assert_eq!(program.wait().unwrap().code(), Some(0), "{signal:?}");
+                assert_eq!(names(folder.path()), ["a.tif", "b.tif"]);
+                assert_eq!(fs::read(folder.path().join("b.tif")).unwrap(), b"whole");
+            }
+        }
+
+        #[test]
         fn hidden_part_is_removed_by_a_signal_that_ends_the_program_as_it_does_others() {
             let signals = super::super::handled_signals();
             assert!(!signals.is_empty());
             for signal in signals.into_iter().filter_map(Signal::from_named_raw) {
                 let folder = tempfile::tempdir().unwrap();
                 fs::write(folder.path().join("a.tif"), "old").unwrap();
-                let mut program =
-                    Command::new(std::env::current_exe().unwrap())
-                        .args(["--ignored", "--exact"])
-                        .arg(
-                            format!("{}::program_that_waits_for_a_signal", module_path!())
-                                .replacen("fmc_output::", "", 1),
-                        )
-                        .env(FOLDER, folder.path())
-                        .stdout(Stdio::null())
-                        .spawn()
-                        .unwrap();
-                let until = Instant::now() + Duration::from_secs(30);
-                while names(folder.path()).len() < 2 {
-                    assert!(Instant::now() < until, "the program writes nothing");
-                    thread::sleep(Duration::from_millis(5));
-                }
+                let mut program = start("program_that_waits_for_a_signal", folder.path());
+                wait_for(|| names(folder.path()).len() >= 2);
                 kill_process(Pid::from_child(&program), signal).unwrap();
                 let status = program.wait().unwrap();
                 assert_eq!(status.signal(), Some(signal.as_raw()));

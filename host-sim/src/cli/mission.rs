@@ -56,7 +56,8 @@ pub struct RecordsArgs {
     /// record once its row is on the disk. records.json comes at the end.
     #[arg(long)]
     pub follow: bool,
-    /// Folder of records fetched earlier in this flight; may be given several times.
+    /// Folder of records fetched earlier in this flight; may be given several times. records.csv
+    /// alone will do. Records that are there are not written again.
     ///
     /// If the index mark has shown since then that the encoder was wrong in some of these
     /// exposures, their records get flag, fault and σ, as the camera does with those that it still

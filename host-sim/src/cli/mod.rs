@@ -337,9 +337,10 @@ pub enum Command {
     ///
     /// Programs in other languages and on other computers reach it there, host-sim by
     /// `--device tcp:HOST:PORT`: one after the other; while one is connected, others are closed at
-    /// once. The camera is that of --device: this program's own code on a test rig (sil), the
-    /// firmware in QEMU, or a camera on a serial port. It stays as it is between two programs. The
-    /// first line on standard output is its device. Ends with Ctrl-C, and QEMU with it.
+    /// once, unless it has been silent for 10 s. The camera is that of --device: this program's own
+    /// code on a test rig (sil), the firmware in QEMU, or a camera on a serial port. It stays as it
+    /// is between two programs. The first line on standard output is its device. Ends with Ctrl-C,
+    /// and QEMU with it.
     #[command(after_help = examples::SERVE)]
     Serve(ServeArgs),
     /// Check a camera file.

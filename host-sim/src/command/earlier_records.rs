@@ -1,9 +1,11 @@
 //! Records of the same flight that were fetched before: those that are in doubt since are marked.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use fmc_camera::flight::frame_record::FrameRecord;
+use fmc_camera::flight::frame_record::{FrameRecord, Outcome, Reason};
 use fmc_camera::flight::in_doubt::InDoubt;
+use fmc_camera::flight::time::Time;
+use fmc_camera::io::link::after_reset::FlightAfterReset;
 use fmc_camera::io::link::message::Status;
 use fmc_frames::record_files::{CSV, JSON, RecordFiles};
 
@@ -27,8 +29,32 @@ impl EarlierRecords {
         })
     }
 
+    /// Returns the folder that has this record of the camera, as where the link was cut after its
+    /// row was written and before the camera could forget it. A folder's row stands for a record
+    /// that a reset has damaged.
+    ///
+    /// # Errors
+    /// [`Failure`] naming a folder that has another record of this number.
+    pub(super) fn having(&self, record: &FrameRecord) -> Result<Option<&Path>, Failure> {
+        for (folder, files) in &self.folders {
+            match files.is_same(record) {
+                None => {}
+                Some(is_same) if is_same || is_damaged(record) => return Ok(Some(folder)),
+                Some(_) => {
+                    return Err(Failure::bad_input(format!(
+                        "--earlier: {}: its record {} is not the one that the camera has; allowed: the same, or none; these are records of another flight",
+                        folder.join(CSV).display(),
+                        record.sequence
+                    )));
+                }
+            }
+        }
+        Ok(None)
+    }
+
     /// Checks that all records have the calibration of the camera, and come before the first that
-    /// it has now.
+    /// it has now and no folder has. Times are compared where no reset can have been among them, as
+    /// the camera's time begins anew with each start.
     pub(super) fn check_before(
         &self,
         status: &Status,
@@ -54,7 +80,8 @@ impl EarlierRecords {
                     let ours = format!("below {}, the first that the camera has", first.sequence);
                     return of_another("the sequence", &sequence, &ours);
                 }
-                if trigger_us >= first.trigger.us() {
+                let is_one_start = status.after_reset.outcome == FlightAfterReset::Nothing;
+                if is_one_start && trigger_us >= first.trigger.us() {
                     let ours = format!("before {}", first.trigger.us());
                     return of_another("trigger_us", &trigger_us, &ours);
                 }
@@ -74,7 +101,9 @@ impl EarlierRecords {
             }
             let folder = OutputFolder::create(path)?;
             folder.write(CSV, |sink| files.write_csv(sink).map_err(Into::into))?;
-            folder.write(JSON, |sink| files.write_json(sink))?;
+            if files.has_json() {
+                folder.write(JSON, |sink| files.write_json(sink))?;
+            }
             folder.sync()?;
             marked.push((path.clone(), count));
         }
@@ -98,4 +127,9 @@ impl EarlierRecords {
         let from = missing.next()?;
         Some((from, missing.next_back().unwrap_or(from)))
     }
+}
+
+/// Returns `true` for the record of a trigger of which a reset has left the number alone.
+fn is_damaged(record: &FrameRecord) -> bool {
+    record.trigger == Time::START && record.outcome == Outcome::Refused(Reason::Unusable)
 }

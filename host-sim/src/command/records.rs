@@ -4,11 +4,12 @@ mod following;
 mod growing_files;
 
 use std::fmt::Display;
-use std::io::Write;
-use std::path::PathBuf;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
 
 use fmc_camera::flight::frame_record::FrameRecord;
 use fmc_camera::flight::in_doubt::InDoubt;
+use fmc_camera::io::link::message::Status;
 use fmc_frames::record_files::{CSV, JSON};
 use fmc_report::records;
 
@@ -33,13 +34,23 @@ pub(super) fn run(args: &RecordsArgs) -> Result<(), Failure> {
     if args.follow {
         return following::run(device.as_mut(), &args.out, earlier);
     }
+    let before = device.flight_status()?;
     let mut recorded: Vec<FrameRecord> = Vec::new();
-    let mut next = 0;
+    let (mut next, mut last) = (0, None);
     while let Some(record) = device.fetch(next)? {
         next = record.sequence.saturating_add(1);
-        recorded.push(record);
+        last = Some(record.sequence);
+        match earlier.having(&record)? {
+            Some(folder) => has_already(folder, &record),
+            None => recorded.push(record),
+        }
     }
     let status = device.flight_status()?;
+    if is_another_flight(&before, &status) {
+        return Err(Failure::device_or_io(
+            "records: the camera has been prepared for another flight while they were fetched, and keeps its records; fetch them again",
+        ));
+    }
     earlier.check_before(&status, recorded.first())?;
     let in_doubt = status.in_doubt;
     let (mut csv, mut json) = (Vec::new(), Vec::new());
@@ -56,10 +67,37 @@ pub(super) fn run(args: &RecordsArgs) -> Result<(), Failure> {
         None => Vec::new(),
     };
     // The records are on the disk only from here on.
-    if let Some(last) = recorded.last() {
-        device.are_safe(last.sequence)?;
+    if let Some(last) = last {
+        device.are_safe(last)?;
     }
     report(&recorded, in_doubt.as_ref(), &earlier, &marked)
+}
+
+/// Returns `true` if the camera has been prepared for another flight since.
+fn is_another_flight(before: &Status, now: &Status) -> bool {
+    now.counts.triggers < before.counts.triggers
+        || now.after_reset.flight != before.after_reset.flight
+}
+
+/// Tells of a record that is not written again.
+fn has_already(folder: &Path, record: &FrameRecord) {
+    note(format_args!(
+        "note: {}: has record {} already",
+        folder.display(),
+        record.sequence
+    ));
+}
+
+/// Prints what has been marked in folders of earlier records.
+fn write_marked(sink: &mut dyn Write, marked: &[(PathBuf, usize)]) -> io::Result<()> {
+    for (folder, count) in marked {
+        writeln!(
+            sink,
+            "{}: {count} records in doubt, marked",
+            folder.display()
+        )?;
+    }
+    Ok(())
 }
 
 /// Prints what has been fetched, and what has been marked in folders of earlier records.
@@ -89,13 +127,6 @@ fn report(
                 records::crc32(recorded)
             )?,
         }
-        for (folder, count) in marked {
-            writeln!(
-                sink,
-                "{}: {count} records in doubt, marked",
-                folder.display()
-            )?;
-        }
-        Ok(())
+        write_marked(sink, marked)
     })
 }

@@ -11,11 +11,14 @@ use fmc_camera::flight::drive::rig::RigDrive;
 use fmc_camera::flight::drive::settings::DriveSettings;
 use fmc_camera::flight::event::Event;
 use fmc_camera::flight::flown_deck::FlownDeck;
+use fmc_camera::flight::in_doubt::InDoubt;
 use fmc_camera::flight::time::Time;
-use fmc_camera::io::link::message::ResetCause;
+use fmc_camera::io::link::message::{Answer, ResetCause};
 use rustix::process::{Pid, Signal, kill_process};
 
 use crate::command_line::fake_camera::FakeCamera;
+use crate::command_line::records::fly;
+use crate::command_line::serial::Port;
 use crate::command_line::support::Bench;
 
 /// Rounds of bytes from one trigger to the next.
@@ -92,21 +95,20 @@ fn rows(bench: &Bench, folder: &str) -> Vec<u32> {
     table.records().map(number).collect()
 }
 
+fn prepare(bench: &Bench, device: &str) {
+    let prepare = ["camera", "--device", device, "prepare"];
+    bench
+        .run(&[&prepare[..], &["--camera", "camera.toml"]].concat())
+        .ok();
+}
+
 #[test]
 fn frames_are_lines_and_rows_as_they_come_until_ctrl_c_a_cut_link_or_a_kill() {
     let (bench, (device, connections)) = (Bench::new(), camera());
     let out = ["records", "--device", &device, "--follow", "--out", "early"];
     bench.run(&out).failed(3, &["not been prepared"]);
     assert!(!bench.path("early").exists());
-    let prepare = [
-        "camera",
-        "--device",
-        &device,
-        "prepare",
-        "--camera",
-        "camera.toml",
-    ];
-    bench.run(&prepare).ok();
+    prepare(&bench, &device);
 
     let mut asked = Follower::start(&bench, &device, "asked");
     assert_eq!(asked.numbers(3), [1, 2, 3]);
@@ -152,5 +154,48 @@ fn frames_are_lines_and_rows_as_they_come_until_ctrl_c_a_cut_link_or_a_kill() {
         "the port closed",
     ] {
         assert!(said.contains(part), "{said}");
+    }
+
+    // The advice holds, also for a folder without records.json.
+    let mut rest = vec!["records", "--device", &device, "--out", "rest"];
+    for folder in ["asked", "killed", "cut"] {
+        rest.extend(["--earlier", folder]);
+    }
+    bench.run(&rest).ok();
+    let of = |folder| rows(&bench, folder);
+    let mut all = [of("asked"), of("killed"), of("cut"), of("rest")].concat();
+    all.dedup();
+    assert!(all.iter().copied().eq(1..=*all.last().unwrap()), "{all:?}");
+}
+
+#[test]
+fn ctrl_c_and_sigterm_complete_the_files_after_records_have_been_marked() {
+    for signal in [Signal::INT, Signal::TERM] {
+        let bench = Bench::new();
+        let mut camera = FakeCamera::new();
+        // A crossing of the index mark after two of the three records that are left.
+        camera.change = |answer| {
+            if let Answer::Status(status) = answer
+                && status.kept < 2
+            {
+                status.in_doubt = Some(InDoubt::between([1, 3], 0.0162, true));
+            }
+        };
+        let port = Port::with_camera(camera);
+        let device = fly(&bench, &port);
+        let mut follower = Follower::start(&bench, &device, "marked");
+        assert_eq!(follower.numbers(2), [2, 3]);
+        let doubt = follower.lines.next().unwrap().unwrap();
+        assert!(
+            doubt.starts_with("in doubt by 16.20 µm, and marked: 2"),
+            "{doubt}"
+        );
+        assert_eq!(follower.numbers(1), [4]);
+        follower.signal(signal);
+        let (code, last, said) = follower.end();
+        assert_eq!(code, Some(0), "{last}; {said}");
+        assert!(last.starts_with("3 records, of triggers 2 to 4"), "{last}");
+        assert_eq!(rows(&bench, "marked"), [2, 3, 4]);
+        assert!(bench.path("marked/records.json").exists());
     }
 }

@@ -1,6 +1,7 @@
 //! `records`: records that are on the disk before the camera forgets them.
 
 use std::fs;
+use std::sync::atomic::{AtomicU32, Ordering};
 
 use fmc_camera::flight::in_doubt::InDoubt;
 use fmc_camera::io::link::message::Answer;
@@ -13,7 +14,7 @@ const MISSION: &str = include_str!("../../scenarios/faults/uart-cut.toml");
 const CAMERA: &str = include_str!("../../scenarios/cameras/mission.toml");
 
 /// Flies four frames, of which the records of the last three are not fetched. Returns the device.
-fn fly(bench: &Bench, port: &Port) -> String {
+pub(crate) fn fly(bench: &Bench, port: &Port) -> String {
     fs::create_dir(bench.path("cameras")).unwrap();
     fs::create_dir(bench.path("faults")).unwrap();
     fs::write(bench.path("cameras/mission.toml"), CAMERA).unwrap();
@@ -75,6 +76,31 @@ fn records_of_a_flight_whose_link_was_cut_are_fetched_later_and_once() {
     assert_eq!(again.stdout, "no records\n");
 }
 
+/// Number of the flight of a camera that is prepared anew after each record that is fetched.
+static FLIGHT: AtomicU32 = AtomicU32::new(1);
+
+#[test]
+fn records_are_not_taken_for_those_of_a_flight_that_is_prepared_meanwhile() {
+    let bench = Bench::new();
+    let mut camera = FakeCamera::new();
+    camera.change = |answer| match answer {
+        Answer::FrameRecord(Some(_)) => {
+            FLIGHT.fetch_add(1, Ordering::Relaxed);
+        }
+        Answer::Status(status) => status.after_reset.flight = FLIGHT.load(Ordering::Relaxed),
+        _ => {}
+    };
+    let port = Port::with_camera(camera);
+    let device = fly(&bench, &port);
+    // The camera has them still when they are fetched again.
+    for _ in 0..2 {
+        bench
+            .run(&["records", "--device", &device, "--out", "kept"])
+            .failed(3, &["another flight", "fetch them again"]);
+        assert!(!bench.path("kept").exists());
+    }
+}
+
 #[test]
 fn camera_that_has_not_flown_in_this_process_has_no_records() {
     let bench = Bench::new();
@@ -116,7 +142,7 @@ fn records_fetched_before_their_doubt_are_marked_in_their_files() {
         fs::write(bench.path("other").join(name), later).unwrap();
     }
     records("kept", &["other"]).refused(&["other/records.csv", "sequence 7", "below 2"]);
-    records("kept", &["nowhere"]).refused(&["nowhere/records.json"]);
+    records("kept", &["nowhere"]).refused(&["nowhere/records.csv"]);
     assert!(!bench.path("kept").exists());
 
     let fetched = records("kept", &["flight"]).ok();

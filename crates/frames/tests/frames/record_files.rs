@@ -81,6 +81,43 @@ fn files_of_records_in_doubt_are_those_of_records_that_the_camera_has_marked() {
 }
 
 #[test]
+fn table_alone_is_read_to_its_last_whole_row_and_marked_once() {
+    let (_, camera) = camera();
+    let (mut records, _) = flight(camera.camera(), camera.crc());
+    let folder = tempfile::tempdir().unwrap();
+    write(folder.path(), &records, None);
+    fs::remove_file(folder.path().join("records.json")).unwrap();
+    let table = folder.path().join("records.csv");
+    let whole = fs::read(&table).unwrap();
+    fs::write(&table, &whole[..whole.len() - 1]).unwrap();
+    let files = RecordFiles::read(folder.path()).unwrap();
+    let last = records.last().unwrap().sequence;
+    assert!(!files.has(last) && files.has(last - 1) && !files.has_json());
+    fs::write(&table, &whole).unwrap();
+
+    let mut files = RecordFiles::read(folder.path()).unwrap();
+    assert_eq!(files.doubt(&EXPOSURES), 20);
+    for record in &mut records {
+        assert_eq!(files.is_same(record), Some(true));
+        record.doubt(&EXPOSURES);
+        assert_eq!(files.is_same(record), Some(true));
+        record.trigger = record.trigger.plus_s(1e-3);
+        assert_eq!(files.is_same(record), Some(false));
+    }
+    let [marked, json] = written(&files);
+    assert_eq!(json, b"");
+    fs::write(&table, &marked).unwrap();
+    let mut again = RecordFiles::read(folder.path()).unwrap();
+    assert_eq!(again.doubt(&EXPOSURES), 0);
+    assert_eq!(written(&again)[0], marked);
+    let larger = InDoubt {
+        off_mm: 20e-3,
+        ..EXPOSURES
+    };
+    assert_eq!(again.doubt(&larger), 20);
+}
+
+#[test]
 fn refused_triggers_are_not_in_doubt() {
     let (_, camera) = camera();
     let (records, _) = flight(camera.camera(), camera.crc());
@@ -104,7 +141,7 @@ fn files_that_are_not_those_of_one_flight_are_refused_by_name() {
         let error = RecordFiles::read(folder.path()).unwrap_err().to_string();
         assert!(error.contains(name), "{error}");
     };
-    refused("records.json");
+    refused("records.csv");
     write(folder.path(), &records, None);
     let json = fs::read(folder.path().join("records.json")).unwrap();
     write(folder.path(), &records[1..], None);

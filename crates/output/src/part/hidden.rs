@@ -18,9 +18,19 @@ static HIDDEN: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
 /// `true` if signals that end the program are to remove the hidden files.
 static IS_ENDED_BY_SIGNALS: AtomicBool = AtomicBool::new(false);
 
+/// `true` once the program itself decides what it does at these signals.
+#[cfg(unix)]
+static IS_ASKED_BY_SIGNALS: AtomicBool = AtomicBool::new(false);
+
 /// From now on, signals that end the program remove the hidden files.
 pub(super) fn remove_on_signals() {
     IS_ENDED_BY_SIGNALS.store(true, Ordering::Relaxed);
+}
+
+/// From now on, signals leave program and files as they are: the program ends by itself.
+#[cfg(unix)]
+pub(crate) fn leave_signals_to_the_program() {
+    IS_ASKED_BY_SIGNALS.store(true, Ordering::SeqCst);
 }
 
 /// A hidden file, which is removed when it is dropped, and when a signal ends the program.
@@ -143,11 +153,14 @@ mod signals {
 
     use std::fs;
     use std::sync::Once;
+    use std::sync::atomic::Ordering;
     use std::thread;
 
     use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
     use signal_hook::iterator::Signals;
     use signal_hook::low_level::emulate_default_handler;
+
+    use super::IS_ASKED_BY_SIGNALS;
 
     /// From the first call on, SIGINT, SIGTERM and SIGHUP remove the hidden files before they end
     /// the program, as they do without this.
@@ -159,6 +172,9 @@ mod signals {
             };
             thread::spawn(move || {
                 for signal in &mut signals {
+                    if IS_ASKED_BY_SIGNALS.load(Ordering::SeqCst) {
+                        continue;
+                    }
                     // The names stay locked until the end: no file is made after this.
                     let hidden = super::hidden();
                     for path in hidden.iter() {

@@ -16,6 +16,7 @@ use crate::command::earlier_records::EarlierRecords;
 use crate::device::link_error::LinkError;
 use crate::device::{DeviceError, RecordSource};
 use crate::failure::{Failure, note};
+use crate::formats::output;
 
 /// Time from one look for a record to the next, while there is none.
 const LOOK_EVERY: Duration = Duration::from_millis(50);
@@ -76,38 +77,71 @@ impl Following<'_> {
     fn until_the_end(&mut self, interruption: &Interruption) -> Result<End, Failure> {
         self.mark()?;
         while !interruption.is_asked() {
-            let status = self.device.flight_status()?;
-            if status.counts.triggers < self.status.counts.triggers {
+            if !self.look()? {
                 return Ok(End::OtherFlight);
             }
-            self.status = status;
             self.mark()?;
             let Some(record) = self.device.fetch(self.next)? else {
                 sleep(LOOK_EVERY);
                 continue;
             };
-            if self.files.is_empty() {
-                self.earlier.check_before(&self.status, Some(&record))?;
+            if !self.take(record)? {
+                return Ok(End::OtherFlight);
             }
-            self.take(record)?;
         }
         Ok(End::Asked)
     }
 
-    /// Puts a record on the disk, and lets the camera forget it.
-    fn take(&mut self, fetched: FrameRecord) -> Result<(), Failure> {
+    /// Asks the camera how it is. Returns `false` if it has been prepared for another flight, of
+    /// which nothing is kept.
+    fn look(&mut self) -> Result<bool, DeviceError> {
+        let status = self.device.flight_status()?;
+        if super::is_another_flight(&self.status, &status) {
+            return Ok(false);
+        }
+        self.status = status;
+        Ok(true)
+    }
+
+    /// Puts a record on the disk, and lets the camera forget it. Returns `false` if it may be one
+    /// of another flight, whose records the camera must keep.
+    fn take(&mut self, fetched: FrameRecord) -> Result<bool, Failure> {
         let sequence = fetched.sequence;
-        let (mut record, mut known) = self.settled(fetched)?;
-        self.files.append(record, known)?;
+        let Some((mut record, mut known)) = self.settled(fetched)? else {
+            return Ok(false);
+        };
+        let is_new = match self.earlier.having(&record)? {
+            Some(folder) => {
+                super::has_already(folder, &record);
+                false
+            }
+            None => true,
+        };
+        if is_new {
+            if self.files.is_empty() {
+                self.earlier.check_before(&self.status, Some(&record))?;
+            }
+            self.files.append(record, known)?;
+        } else {
+            self.mark_earlier()?;
+        }
         for _ in 0..FETCHES {
             match self.device.are_safe(sequence) {
                 // The camera has put it in doubt since.
                 Err(error) if is_not_fetched(&error) => {
-                    let Some(again) = self.device.fetch(sequence)? else {
+                    let again = self.device.fetch(sequence)?;
+                    let Some(again) = again.filter(|again| again.sequence == sequence) else {
                         break;
                     };
-                    (record, known) = self.settled(again)?;
-                    self.files.replace_last(record, known)?;
+                    let Some(settled) = self.settled(again)? else {
+                        return Ok(false);
+                    };
+                    (record, known) = settled;
+                    if is_new {
+                        self.files.replace_last(record, known)?;
+                    } else {
+                        self.mark_earlier()?;
+                    }
                 }
                 other => {
                     other?;
@@ -116,27 +150,45 @@ impl Following<'_> {
             }
         }
         self.next = sequence.saturating_add(1);
-        say(&line(&record))
+        if is_new {
+            say(&line(&record))?;
+        }
+        Ok(true)
     }
 
     /// Returns a record that has just been fetched with the exposures in doubt whose σ it holds: it
-    /// is fetched again as long as they change.
+    /// is fetched again as long as they change. `None` if another flight has been prepared, of
+    /// which it may be.
     fn settled(
         &mut self,
         mut record: FrameRecord,
-    ) -> Result<(FrameRecord, Option<InDoubt>), DeviceError> {
+    ) -> Result<Option<(FrameRecord, Option<InDoubt>)>, DeviceError> {
         for _ in 0..FETCHES {
-            let status = self.device.flight_status()?;
-            let is_settled = status.in_doubt == self.status.in_doubt;
-            self.status = status;
-            if is_settled {
-                break;
+            let before = self.status.in_doubt;
+            if !self.look()? {
+                return Ok(None);
             }
-            if let Some(again) = self.device.fetch(record.sequence)? {
+            if self.status.in_doubt == before {
+                return Ok(Some((record, before)));
+            }
+            let again = self.device.fetch(record.sequence)?;
+            if let Some(again) = again.filter(|again| again.sequence == record.sequence) {
                 record = again;
             }
         }
-        Ok((record, self.status.in_doubt))
+        let is_of_this_flight = self.look()?;
+        Ok(is_of_this_flight.then_some((record, self.status.in_doubt)))
+    }
+
+    /// Marks the records in folders of earlier ones that the camera has put in doubt since.
+    fn mark_earlier(&mut self) -> Result<(), Failure> {
+        let Some(exposures) = self.status.in_doubt else {
+            return Ok(());
+        };
+        let marked = self.earlier.doubt(&exposures)?;
+        output::write(None, |sink: &mut dyn Write| {
+            super::write_marked(sink, &marked)
+        })
     }
 
     /// Marks the records on the disk that the camera has put in doubt since.
@@ -154,31 +206,40 @@ impl Following<'_> {
         Ok(())
     }
 
-    /// Completes the files, and says what is in them.
-    fn complete(mut self, out: &Path, ended: Result<End, Failure>) -> Result<(), Failure> {
+    /// Completes the files, and says what is in them. What has ended the flight is the failure,
+    /// also where the files cannot be completed, which is told before.
+    fn complete(self, out: &Path, ended: Result<End, Failure>) -> Result<(), Failure> {
+        let written = self.write();
+        let out = out.display();
+        match ended {
+            Ok(End::Asked) => written,
+            Ok(End::OtherFlight) => {
+                note(
+                    "note: the camera has been prepared for another flight: follow it into another folder",
+                );
+                written
+            }
+            Err(failure) => {
+                match written {
+                    Ok(()) => note(format_args!("note: {out}: these records are complete")),
+                    Err(failure) => note(format_args!("note: {}", failure.text())),
+                }
+                note(format_args!(
+                    "note: the camera keeps what comes after them until it is fetched: with --earlier {out} into another folder"
+                ));
+                Err(failure)
+            }
+        }
+    }
+
+    fn write(mut self) -> Result<(), Failure> {
         let recorded = self.files.complete()?;
         let in_doubt = self.status.in_doubt;
         let marked = match &in_doubt {
             Some(exposures) => self.earlier.doubt(exposures)?,
             None => Vec::new(),
         };
-        super::report(&recorded, in_doubt.as_ref(), &self.earlier, &marked)?;
-        let out = out.display();
-        match ended {
-            Ok(End::Asked) => Ok(()),
-            Ok(End::OtherFlight) => {
-                note(format_args!(
-                    "note: the camera has been prepared for another flight: follow it into another folder"
-                ));
-                Ok(())
-            }
-            Err(failure) => {
-                note(format_args!(
-                    "note: {out}: these records are complete; the camera keeps what comes after them until it is fetched: with --earlier {out} into another folder"
-                ));
-                Err(failure)
-            }
-        }
+        super::report(&recorded, in_doubt.as_ref(), &self.earlier, &marked)
     }
 }
 
