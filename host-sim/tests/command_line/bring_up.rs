@@ -107,7 +107,7 @@ fn trial_that_fails_says_why_and_what_to_look_at() {
     }
     for (action, named) in [
         (&["jog", "201"][..], "-200"),
-        (&["jog", "nan"], "finite"),
+        (&["jog", "nan"], "not a number"),
         (&["duty", "0.3"], "0.2"),
         (&["duty", "0.1", "--for", "1"], "0.2"),
         (&["shutter", "1"], "0.1"),
