@@ -2,7 +2,8 @@
 
 use core::fmt;
 
-use super::bring_up::{EdgeCounts, LineLevels, NotTried, Trial, TrialEnd, TrialReport, Trials};
+use super::bring_up::trials::Trials;
+use super::bring_up::{EdgeCounts, LineLevels, NotTried, Trial, TrialEnd, TrialReport};
 #[cfg(feature = "link")]
 use super::calibration_id::CalibrationId;
 use super::camera::Camera;
@@ -13,7 +14,7 @@ use super::control_loop::{self, RoundActions};
 use super::controller::state::State;
 use super::controller::{Controller, Start};
 use super::drive::flown_drive::FlownDrive;
-use super::event::{Command, Event, Supply};
+use super::event::{Action, Command, Event, Supply};
 use super::event_queue::EventQueue;
 use super::input_levels::InputLevels;
 use super::input_settings::InputSettings;
@@ -169,6 +170,11 @@ impl<Drive: FlownDrive> FlownDeck<Drive> {
     /// left to the board.
     pub fn round(&mut self, now: Time) -> RoundActions {
         self.set_now(now);
+        let mut outside = RoundActions::new();
+        if self.trials.take_close() {
+            // There is room for it, as for that of a trial.
+            let _ = outside.push(Action::CloseShutter);
+        }
         let Some((setup, controller)) = self.camera.flown() else {
             // The position is for display, and a counter of 16 bits must be read regularly.
             let reading = self.drive.position(now);
@@ -176,9 +182,7 @@ impl<Drive: FlownDrive> FlownDeck<Drive> {
             if self.drive.take_index().is_some() {
                 self.edges.index = self.edges.index.saturating_add(1);
             }
-            let mut outside = RoundActions::new();
             let action = self.trials.round(&mut self.drive, now, reading, &self.seen);
-            // There is room for it.
             if let Some(action) = action {
                 let _ = outside.push(action);
             }
@@ -203,7 +207,6 @@ impl<Drive: FlownDrive> FlownDeck<Drive> {
         }
         let reading = self.drive.position(now);
         self.offset_mm = reading.ok().map(|reading| reading.offset_mm);
-        let mut outside = RoundActions::new();
         let flown = (&setup, controller);
         control_loop::round(flown, &mut self.drive, now, reading, &events, &mut outside);
         outside
@@ -233,7 +236,8 @@ impl<Drive: FlownDrive> FlownDeck<Drive> {
     }
 
     /// Begins a trial of mechanism or shutter with the next round, on a camera that is not
-    /// prepared.
+    /// prepared. For jog and duty the drive takes its default settings, with
+    /// [`MAX_DUTY`](super::bring_up::MAX_DUTY), until a camera is prepared.
     ///
     /// # Errors
     /// [`NotTried`]; nothing moves then.
@@ -241,7 +245,8 @@ impl<Drive: FlownDrive> FlownDeck<Drive> {
         if self.controller().is_some() {
             return Err(NotTried::Prepared);
         }
-        self.trials.begin(trial, self.offset_mm, &self.seen)
+        self.trials
+            .begin(trial, &mut self.drive, self.offset_mm, &self.seen)
     }
 
     /// The last trial, which may be under way; `None` before the first.

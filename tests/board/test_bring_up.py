@@ -57,7 +57,7 @@ class BringUp(unittest.TestCase):
         self.assertGreater(self.way_um() - start_um, 5.0)
         self.assertFalse(self.bench.is_enabled)
 
-    def test_stuck_stage_and_wrong_way_end_a_jog(self):
+    def test_stuck_stage_ends_a_jog(self):
         self.bench.stage.is_held = True
         self.flight.camera("jog", "150", code=1)
         self.assertFalse(self.bench.is_enabled)

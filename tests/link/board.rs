@@ -13,6 +13,7 @@ use fmc_camera::flight::settings::FlightSettings;
 use fmc_camera::flight::shutter_output::ShutterOutput;
 use fmc_camera::flight::time::Clock;
 use fmc_camera::flight::vh::VhSample;
+use fmc_camera::io::link::flight_memory::FlightMemory;
 use fmc_camera::io::link::message::{Answer, Identity, Request, ResetCause, Status};
 use fmc_camera::io::link::station::Station;
 
@@ -47,9 +48,22 @@ impl Board {
     }
 
     pub(crate) fn connected(start: ResetCause, counter_us: u32) -> Self {
+        Self::kept_in(start, counter_us, None)
+    }
+
+    /// As [`Self::connected`], with the memory of a flight that goes on over a reset.
+    pub(crate) fn kept_in(
+        start: ResetCause,
+        counter_us: u32,
+        memory: Option<&'static FlightMemory>,
+    ) -> Self {
         let identity = Identity::new("test build", "test board", false, start);
         let drive = RigDrive::new(DriveSettings::default()).unwrap();
-        let station = Station::with(identity, || 0, FlownDeck::new(drive, start.unreferenced()));
+        let deck = FlownDeck::new(drive, start.unreferenced());
+        let mut station = Station::with(identity, || 0, deck);
+        if let Some(memory) = memory {
+            station.keep_flight_in(memory);
+        }
         let mut clock = Clock::new();
         // The board has run for a while.
         for quarter in 1..=counter_us >> 30 {

@@ -1,121 +1,17 @@
 //! Bring-up of a board before a camera is loaded: its lines, and trials of mechanism and shutter.
 
 use fmc_camera::flight::bring_up::{
-    LineLevels, MAX_DUTY, MAX_DUTY_S, MAX_DUTY_WAY_UM, MAX_JOG_ERROR_UM, MAX_JOG_UM, MAX_TRIAL_S,
-    NotTried, Trial, TrialEnd, TrialReport,
+    JOG_WITHIN_UM, LineLevels, MAX_DUTY, MAX_DUTY_S, MAX_DUTY_WAY_UM, MAX_JOG_ERROR_UM, MAX_JOG_UM,
+    MAX_TRIAL_S, NotTried, Trial, TrialEnd,
 };
 use fmc_camera::flight::event::{Command, Event};
-use fmc_camera::io::link::message::{Answer, Inputs, Refusal, Request, ResetCause};
+use fmc_camera::flight::settings::FlightSettings;
+use fmc_camera::io::link::flight_memory::FlightMemory;
+use fmc_camera::io::link::message::{Answer, Refusal, Request, ResetCause};
 
-use crate::link::board::{Board, COUNT_AT_START};
+use crate::link::board::Board;
 use crate::link::pc::{Pc, camera_parameters};
-
-/// Error of a jog, µm: the integral of the loop has not come to rest when the stage is released. It
-/// shows sign and step of encoder and motor.
-const JOG_WITHIN_UM: f32 = 10.0;
-
-const JOG: Trial = Trial::Jog { way_um: 100.0 };
-const DUTY: Trial = Trial::Duty {
-    duty: 0.05,
-    time_s: 0.02,
-};
-const SHUTTER: Trial = Trial::Shutter { exposure_s: 5e-3 };
-
-/// A board with a stage of 0.3 kg and 22 N·s/m, to which the default gains belong.
-struct Bench {
-    board: Board,
-    /// Way of the stage from its start, mm.
-    way_mm: f32,
-    speed_mm_s: f32,
-    /// Force at full duty, N.
-    force_n: f32,
-}
-
-impl Bench {
-    fn new() -> Self {
-        let mut bench = Self {
-            board: Board::connected(ResetCause::PowerOn, 0),
-            way_mm: 0.0,
-            speed_mm_s: 0.0,
-            force_n: 6.0,
-        };
-        bench.round();
-        bench
-    }
-
-    fn round(&mut self) {
-        let duty = self.duty();
-        for _ in 0..10 {
-            let force_n = self.force_n * duty - 22e-3 * self.speed_mm_s;
-            self.speed_mm_s += 1e3 * force_n / 0.3 * 1e-4;
-            self.way_mm += self.speed_mm_s * 1e-4;
-        }
-        let counts: i32 = format!("{:.0}", 1e4 * self.way_mm).parse().unwrap();
-        self.board.count(COUNT_AT_START + counts);
-        self.board.round();
-    }
-
-    fn duty(&mut self) -> f32 {
-        self.board.deck().drive().duty()
-    }
-
-    fn inputs(&mut self) -> Inputs {
-        match self.board.pc.ask(&Request::Inputs) {
-            Answer::Inputs(inputs) => inputs,
-            other => panic!("{other:?}"),
-        }
-    }
-
-    fn report(&mut self) -> TrialReport {
-        self.inputs().trial.unwrap()
-    }
-
-    fn begin(&mut self, trial: Trial) {
-        assert_eq!(self.board.pc.ask(&Request::Try(trial)), Answer::Told);
-    }
-
-    /// Runs until the trial has ended; nothing more comes over the link. Returns its rounds, and
-    /// its report.
-    fn run(&mut self, trial: Trial) -> (u16, TrialReport) {
-        self.begin(trial);
-        for round in 0..1000 {
-            self.round();
-            if self.board.deck().trial().unwrap().end.is_some() {
-                assert!(self.duty().abs() <= 0.0);
-                assert!(!self.board.deck().drive().powered());
-                return (round, self.report());
-            }
-        }
-        panic!("{trial:?} never ends");
-    }
-
-    /// Asks for another trial while one is under way.
-    fn refused_meanwhile(&mut self) -> Refusal {
-        match self.board.pc.ask(&Request::Try(DUTY)) {
-            Answer::Refused(refusal) => refusal,
-            other => panic!("{other:?}"),
-        }
-    }
-
-    /// Runs the trial that is under way to its end.
-    fn run_on(&mut self) -> TrialReport {
-        while self.board.deck().trial().unwrap().end.is_none() {
-            self.round();
-        }
-        self.report()
-    }
-
-    fn refused(&mut self, trial: Trial) -> Refusal {
-        match self.board.pc.ask(&Request::Try(trial)) {
-            Answer::Refused(refusal) => {
-                self.round();
-                assert!(self.duty().abs() <= 0.0, "nothing moves");
-                refusal
-            }
-            other => panic!("{other:?}"),
-        }
-    }
-}
+use crate::link::trial_bench::{Bench, DUTY, JOG, SHUTTER};
 
 #[test]
 fn edges_are_counted_and_levels_are_told_before_a_camera_is_loaded() {
@@ -171,19 +67,6 @@ fn jog_moves_the_stage_by_its_way_and_releases_it() {
 }
 
 #[test]
-fn jog_of_a_reversed_or_stuck_stage_ends_before_it_is_far() {
-    for force_n in [-6.0, 0.0] {
-        let mut bench = Bench::new();
-        bench.force_n = force_n;
-        let (_, report) = bench.run(Trial::Jog { way_um: MAX_JOG_UM });
-        assert_eq!(report.end, Some(TrialEnd::NotFollowing));
-        assert!(report.largest_error_um > MAX_JOG_ERROR_UM);
-        let moved_mm = report.to_mm.unwrap() - report.from_mm.unwrap();
-        assert!(moved_mm.abs() < 0.25, "{moved_mm} mm");
-    }
-}
-
-#[test]
 fn duty_lasts_for_its_time_or_until_the_stage_is_far_enough() {
     let mut bench = Bench::new();
     bench.begin(DUTY);
@@ -207,29 +90,102 @@ fn duty_lasts_for_its_time_or_until_the_stage_is_far_enough() {
         (MAX_DUTY_WAY_UM..farthest_um).contains(&moved_um),
         "{moved_um}"
     );
-    (bench.force_n, bench.speed_mm_s) = (0.0, 0.0);
-    let (rounds, report) = bench.run(Trial::Duty {
-        duty: MAX_DUTY,
-        time_s: MAX_DUTY_S,
-    });
-    assert_eq!(report.end, Some(TrialEnd::Done));
-    assert!(1e-3 * f32::from(rounds) <= MAX_TRIAL_S, "{rounds}");
 }
 
 #[test]
 fn shutter_opens_for_its_time_and_its_edges_are_counted() {
     let mut bench = Bench::new();
-    bench.begin(SHUTTER);
-    for _ in 0..60 {
+    let (rounds, report) = bench.run(SHUTTER);
+    assert_eq!(report.end, Some(TrialEnd::Done));
+    // Lead and exposure, from the first round on.
+    assert!((25..=26).contains(&rounds), "{rounds}");
+    for _ in 0..5 {
         bench.round();
     }
-    let inputs = bench.inputs();
-    assert_eq!(inputs.trial.unwrap().end, Some(TrialEnd::Done));
-    assert_eq!(
-        (inputs.edges.shutter_opened, inputs.edges.shutter_closed),
-        (1, 1)
-    );
+    let edges = bench.inputs().edges;
+    assert_eq!((edges.shutter_opened, edges.shutter_closed), (1, 1));
     assert!((bench.way_mm).abs() <= 0.0);
+}
+
+#[test]
+fn shutter_that_is_open_or_about_to_open_refuses_another_trial_and_is_closed_by_what_ends_it() {
+    const LONG: Trial = Trial::Shutter { exposure_s: 0.1 };
+    for (rounds, is_open) in [(3, false), (30, true)] {
+        for end in [TrialEnd::SupplyLow, TrialEnd::Loaded, TrialEnd::Done] {
+            let mut bench = Bench::new();
+            // `Done` stands for a camera that is loaded before the trial, and prepared in it.
+            if end == TrialEnd::Done {
+                bench.load();
+            }
+            bench.begin(LONG);
+            for _ in 0..rounds {
+                bench.round();
+            }
+            assert_eq!(bench.is_shutter_open(), is_open);
+            for trial in [LONG, JOG] {
+                let refusal = bench.refused(trial);
+                assert_eq!(refusal, Refusal::NotTried(NotTried::UnderWay));
+            }
+            match end {
+                TrialEnd::SupplyLow => bench.board.levels.supply_low = true,
+                TrialEnd::Loaded => bench.load(),
+                _ => assert_eq!(bench.board.prepare(), Answer::Prepared),
+            }
+            bench.round();
+            let expected = match end {
+                TrialEnd::Done => TrialEnd::Loaded,
+                end => end,
+            };
+            assert_eq!(bench.report().end, Some(expected));
+            for _ in 0..150 {
+                assert!(!bench.is_shutter_open(), "{expected:?} after {rounds}");
+                bench.round();
+            }
+        }
+    }
+}
+
+#[test]
+fn trial_has_the_default_settings_after_a_flight_with_others() {
+    let mut bench = Bench::new();
+    bench.load();
+    let mut settings = FlightSettings::default();
+    settings.drive.motor_reversed = true;
+    settings.drive.encoder_reversed = true;
+    settings.drive.encoder_step_um = 0.2;
+    let answer = bench.board.pc.ask(&Request::Prepare(settings));
+    assert_eq!(answer, Answer::Prepared);
+    bench.round();
+    bench.load();
+    // No round comes between the camera and the trial.
+    let (_, report) = bench.run(JOG);
+    assert_eq!(report.end, Some(TrialEnd::Done));
+    assert!(
+        (bench.way_mm - 0.1).abs() < 1e-3 * JOG_WITHIN_UM,
+        "{}",
+        bench.way_mm
+    );
+    let moved_mm = report.to_mm.unwrap() - report.from_mm.unwrap();
+    assert!((moved_mm - 0.1).abs() < 1e-3 * JOG_WITHIN_UM, "{report:?}");
+}
+
+#[test]
+fn prepared_camera_refuses_trials_over_a_reset_and_takes_them_after_a_load() {
+    let memory: &'static FlightMemory = Box::leak(Box::new(FlightMemory::blank()));
+    let mut bench = Bench::kept_in(ResetCause::PowerOn, memory);
+    bench.load();
+    assert_eq!(bench.board.prepare(), Answer::Prepared);
+    bench.round();
+    for cause in [ResetCause::Requested, ResetCause::Watchdog] {
+        bench = Bench::kept_in(cause, memory);
+        let refusal = bench.refused(JOG);
+        assert_eq!(refusal, Refusal::NotTried(NotTried::Prepared));
+        let told = refusal.to_string();
+        assert!(told.contains("switch it off and on, or load"), "{told}");
+    }
+    bench.load();
+    bench.round();
+    assert_eq!(bench.run(JOG).1.end, Some(TrialEnd::Done));
 }
 
 #[test]

@@ -33,4 +33,6 @@ mod schema;
 mod stored;
 #[path = "../../fuzz/targets.rs"]
 mod targets;
+mod trial_bench;
+mod trial_faults;
 mod wrong_bits;

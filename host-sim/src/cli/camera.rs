@@ -72,11 +72,19 @@ pub enum CameraAction {
     /// it.
     ///
     /// A trial of a board whose camera is not prepared, as are `duty` and `shutter`. It takes 0.3 s
-    /// at most, and ends where the stage does not follow, a limit switch closes or the supply
-    /// falls.
+    /// at most, with a duty of 0.2 at most, and ends where the stage does not follow, its encoder
+    /// is silent, a limit switch closes or the supply falls. A way of less than 20 µm may end so by
+    /// friction alone.
+    ///
+    /// The drive has its default settings, whatever was prepared before: a step of the encoder of
+    /// 0.1 µm, nothing reversed. Switches and brake have the settings of the last flight that was
+    /// prepared since the board was switched on. Before the first the brake is not used, and
+    /// switches that close to ground count as closed, so that `jog` and `duty` are refused.
     #[command(after_help = examples::CAMERA_JOG)]
     Jog(JogArgs),
     /// Drive the motor with a small duty for a short time, and release it.
+    ///
+    /// It ends earlier where the encoder is silent, and then fails. `jog --help` has the settings.
     #[command(after_help = examples::CAMERA_DUTY)]
     Duty(DutyArgs),
     /// Open the shutter once, and count the edges of its sensor.

@@ -67,7 +67,7 @@ fn try_out(args: &CameraArgs, trial: Trial) -> Result<(), Failure> {
     device.try_out(trial).map_err(failed)?;
     let start = Instant::now();
     if let Trial::Shutter { exposure_s } = trial {
-        // The edges come after the trial.
+        // The last edge comes after the trial.
         let after_s = SHUTTER_LEAD_S + exposure_s + SHUTTER_WITHIN_S;
         sleep(Duration::from_secs_f32(after_s));
     }
@@ -82,7 +82,7 @@ fn try_out(args: &CameraArgs, trial: Trial) -> Result<(), Failure> {
         }
         if start.elapsed() > OVER_WITHIN {
             return Err(Failure::device_or_io(format!(
-                "the trial has not ended within {} s; its force has, {MAX_TRIAL_S} s after its begin at the latest, if rounds come",
+                "the trial has not ended within {} s; no force lasts longer than {MAX_TRIAL_S} s and a round of the control loop",
                 OVER_WITHIN.as_secs()
             )));
         }
@@ -107,8 +107,13 @@ fn judge(trial: Trial, end: TrialEnd, before: &Inputs, after: &Inputs) -> Result
             .with_help("is the shutter connected? docs/board.md has its lines, and edges that fall are a setting"))
         }
         (Trial::Duty { .. }, TrialEnd::FarEnough) | (_, TrialEnd::Done) => Ok(()),
+        (Trial::Duty { .. }, TrialEnd::NotFollowing) => {
+            Err(Failure::check(format!("the trial has {end}")).with_help(
+                "its encoder stood still: the stage is stuck, or friction is stronger than this duty, or motor or encoder is not connected; `host-sim camera inputs` shows the lines of the encoder",
+            ))
+        }
         (_, TrialEnd::NotFollowing) => Err(Failure::check(format!("the trial has {end}")).with_help(
-            "try a small duty: positive duty must move the encoder along the FMC axis; else motor or encoder is reversed, or the stage is stuck",
+            "try a small duty: positive duty must move the encoder along the FMC axis; else motor or encoder is reversed, or the stage is stuck, or the encoder is silent",
         )),
         _ => Err(Failure::check(format!("the trial has {end}"))),
     }

@@ -234,7 +234,9 @@ pub(super) fn failed(error: DeviceError) -> Failure {
             ..
         } => match refusal {
             Refusal::NotTried(NotTried::Prepared) => {
-                "trials are for a board without a camera: start it again, with its reset button"
+                "a flight goes on over a reset, also by the button: trials are for a board that was \
+                 switched off and on, or to which a calibration was loaded, as `host-sim camera \
+                 store` does"
             }
             Refusal::NotTried(NotTried::LimitSwitch) => {
                 "`host-sim camera inputs` shows the lines; a switch opens its line at the end of the way"

@@ -96,9 +96,18 @@ fn trial_that_fails_says_why_and_what_to_look_at() {
             assert!(answer.stderr.contains(part), "{}", answer.stderr);
         }
     }
+    let held = board(0.0, false);
+    for (action, named) in [
+        (&["jog", "20"][..], "encoder is silent"),
+        (&["duty", "0.2", "--for", "0.2"], "encoder stood still"),
+    ] {
+        let answer = run(&bench, &held, action);
+        assert_eq!(answer.code, 1, "{}", answer.stderr);
+        assert!(answer.stderr.contains(named), "{}", answer.stderr);
+    }
     for (action, named) in [
         (&["jog", "201"][..], "-200"),
-        (&["jog", "nan"], "finite"),
+        (&["jog", "nan"], "not a number"),
         (&["duty", "0.3"], "0.2"),
         (&["duty", "0.1", "--for", "1"], "0.2"),
         (&["shutter", "1"], "0.1"),
@@ -110,7 +119,7 @@ fn trial_that_fails_says_why_and_what_to_look_at() {
     run(&bench, &reversed, &["prepare", "--camera", "camera.toml"]).ok();
     run(&bench, &reversed, &["inputs"]).ok();
     for action in [&["jog", "10"][..], &["duty", "0.1"], &["shutter", "1/100"]] {
-        run(&bench, &reversed, action).failed(3, &["prepared for flight", "reset button"]);
+        run(&bench, &reversed, action).failed(3, &["prepared for flight", "switched off and on"]);
     }
     let rig = Port::with_camera(FakeCamera::new());
     run(&bench, &rig, &["inputs"]).failed(3, &["test rig"]);

@@ -81,6 +81,10 @@ impl<Drive: FlownDrive, Enable: OutputPin> FlownDrive for EnabledDrive<Drive, En
         self.power(|drive| drive.push(now, duty))
     }
 
+    fn asked_duty(&self) -> Option<f32> {
+        self.drive.asked_duty()
+    }
+
     fn set_reference(&mut self) {
         self.drive.set_reference();
     }

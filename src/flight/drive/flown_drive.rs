@@ -34,6 +34,13 @@ pub trait FlownDrive: FmcDrive {
         Err(Fault::Drive)
     }
 
+    /// Returns the duty that is asked of the motor, -1 to 1, 0 if it is released: a trial ends if
+    /// the encoder is silent under it. A mechanism that does not know it keeps this default, and
+    /// counts as driven with [`MAX_DUTY`](crate::flight::bring_up::MAX_DUTY).
+    fn asked_duty(&self) -> Option<f32> {
+        None
+    }
+
     /// Takes the present position of the stage as the calibrated one.
     fn set_reference(&mut self);
 }

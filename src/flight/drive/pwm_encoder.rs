@@ -43,6 +43,8 @@ pub struct PwmEncoder<Pwm, Direction, Counter> {
     /// Count of the newest reading, and the time for which it was asked.
     read: Option<(Time, i32)>,
     followed: Option<Time>,
+    /// Duty of the newest request, positive along the FMC axis; 0 if released.
+    asked_duty: f32,
     direction: Option<PinState>,
     release_failed: bool,
 }
@@ -77,6 +79,7 @@ where
             zero: 0,
             read: None,
             followed: None,
+            asked_duty: 0.0,
             direction: None,
             release_failed: false,
         }
@@ -146,6 +149,7 @@ where
         reason = "between 0 and the largest duty"
     )]
     fn drive(&mut self, duty: f32) -> Result<(), Fault> {
+        self.asked_duty = duty;
         let duty = if self.settings.motor_reversed {
             -duty
         } else {
@@ -219,6 +223,7 @@ where
 
     fn release(&mut self) {
         self.followed = None;
+        self.asked_duty = 0.0;
         self.release_failed = self.pins.pwm.set_duty_cycle(0).is_err();
     }
 }
@@ -242,6 +247,10 @@ where
         self.velocity_loop.restart();
         self.followed = Some(now);
         self.drive(duty).inspect_err(|_| self.release())
+    }
+
+    fn asked_duty(&self) -> Option<f32> {
+        Some(self.asked_duty)
     }
 
     fn set_reference(&mut self) {

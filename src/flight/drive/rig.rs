@@ -154,6 +154,10 @@ impl FlownDrive for RigDrive {
         self.drive.push(now, duty)
     }
 
+    fn asked_duty(&self) -> Option<f32> {
+        self.drive.asked_duty()
+    }
+
     fn set_reference(&mut self) {
         self.drive.set_position(0);
     }
