@@ -19,6 +19,7 @@ use rustix::process::{Pid, Signal, kill_process};
 use crate::command_line::fake_camera::FakeCamera;
 use crate::command_line::records::fly;
 use crate::command_line::serial::Port;
+use crate::command_line::signals::ctrl_c;
 use crate::command_line::support::Bench;
 
 /// Rounds of bytes from one trigger to the next.
@@ -112,7 +113,7 @@ fn frames_are_lines_and_rows_as_they_come_until_ctrl_c_a_cut_link_or_a_kill() {
 
     let mut asked = Follower::start(&bench, &device, "asked");
     assert_eq!(asked.numbers(3), [1, 2, 3]);
-    asked.signal(Signal::INT);
+    asked.signal(ctrl_c());
     let (code, last, said) = asked.end();
     assert_eq!((code, said.as_str()), (Some(0), ""), "{last}");
     let count = rows(&bench, "asked").len();
@@ -170,7 +171,7 @@ fn frames_are_lines_and_rows_as_they_come_until_ctrl_c_a_cut_link_or_a_kill() {
 
 #[test]
 fn ctrl_c_and_sigterm_complete_the_files_after_records_have_been_marked() {
-    for signal in [Signal::INT, Signal::TERM] {
+    for signal in [ctrl_c(), Signal::TERM] {
         let bench = Bench::new();
         let mut camera = FakeCamera::new();
         // A crossing of the index mark after two of the three records that are left.

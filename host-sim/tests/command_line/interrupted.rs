@@ -12,6 +12,7 @@ use assert_cmd::cargo::cargo_bin;
 use rustix::fs::{CWD, Mode, OFlags, openat};
 use rustix::process::{Pid, Signal, WaitId, WaitIdOptions, kill_process, waitid};
 
+use crate::command_line::signals::is_ignored;
 use crate::command_line::support::{Answer, Bench, CAMERA, EXPOSURE};
 
 /// Runs until one is caught while it writes; most are at the first.
@@ -48,17 +49,9 @@ fn contents(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
 /// Returns the signals that end a program without leaving it a choice, and those that a caller of
 /// this test has not told its children to ignore.
 fn signals(folder: &Path) -> Vec<Signal> {
-    let status = fs::read_to_string("/proc/self/status").unwrap();
-    let mask = status
-        .lines()
-        .find_map(|line| line.strip_prefix("SigIgn:"))
-        .unwrap();
-    let ignored = u64::from_str_radix(mask.trim(), 16).unwrap();
     let mut signals = vec![Signal::TERM];
-    signals.extend([Signal::INT, Signal::HUP].into_iter().filter(|signal| {
-        let bit = 1 << (signal.as_raw() - 1);
-        ignored & bit == 0
-    }));
+    let others = [Signal::INT, Signal::HUP].into_iter();
+    signals.extend(others.filter(|signal| !is_ignored(*signal)));
     // A file that has a name from the beginning is left by this one for the next program.
     let flags = OFlags::TMPFILE | OFlags::RDWR;
     if openat(CWD, folder, flags, Mode::RUSR).is_ok() {

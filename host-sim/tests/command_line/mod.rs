@@ -117,6 +117,9 @@ mod serial;
 mod serve;
 #[cfg(test)]
 mod sign;
+#[cfg(test)]
+#[cfg(unix)]
+pub(crate) mod signals;
 mod smear;
 #[cfg(test)]
 mod start;

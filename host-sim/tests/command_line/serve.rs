@@ -5,8 +5,9 @@ use std::net::{TcpListener, TcpStream};
 use std::process::{Child, ChildStderr, Stdio};
 use std::time::Duration;
 
-use rustix::process::{Pid, Signal, kill_process};
+use rustix::process::{Pid, kill_process};
 
+use crate::command_line::signals::ctrl_c;
 use crate::command_line::support::Bench;
 
 /// A program that serves the camera's code in itself.
@@ -47,7 +48,7 @@ impl Server {
 
     /// Ends it with Ctrl-C; returns its exit code.
     fn end(mut self) -> Option<i32> {
-        kill_process(Pid::from_child(&self.program), Signal::INT).unwrap();
+        kill_process(Pid::from_child(&self.program), ctrl_c()).unwrap();
         self.program.wait().unwrap().code()
     }
 }

@@ -24,7 +24,7 @@ use crate::firmware::drills::{Drill, OVERFLOW, WATCHDOG, restart_by};
 const ANSWERED_WITHIN: u64 = 1000;
 
 /// Longest time from the camera's start to the word that its flight goes on, µs of its clock.
-const TAKEN_UP_WITHIN_US: u64 = 500_000;
+const TAKEN_UP_WITHIN_US: u64 = 100_000;
 
 /// Manner of a reset.
 #[derive(Clone, Copy)]
@@ -177,7 +177,7 @@ impl Flight {
     }
 }
 
-/// Time of the last log line with these words, µs since the camera's start.
+/// Time of the last log line with these words, µs.
 fn logged_at_us(device: &Qemu, words: &str) -> u64 {
     let log = device.log();
     let line = log.iter().rfind(|line| line.contains(words));
@@ -207,7 +207,9 @@ fn flight_goes_on_after_a_reset_within_a_second_with_all_its_records() {
             let before = flight.device.remote().fetch_record(0).unwrap().unwrap();
             let last_round = Time::from_us(1000 * flight.round);
             let found = flight.reset(reset);
-            let taken_up_us = logged_at_us(&flight.device, "the flight goes on");
+            // The clock of the log goes on over the reset of this machine.
+            let at_us = |words| logged_at_us(&flight.device, words);
+            let taken_up_us = at_us("the flight goes on") - at_us("starts after");
             assert!(taken_up_us < TAKEN_UP_WITHIN_US, "{taken_up_us} µs");
             assert_eq!(found.outcome, FlightAfterReset::FliesOn);
             assert_eq!((found.boot, found.flight, found.records), (2, 1, 4));

@@ -5,7 +5,9 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 
 use assert_cmd::cargo::cargo_bin;
-use rustix::process::{Pid, Signal, kill_process};
+use rustix::process::{Pid, kill_process};
+
+use crate::command_line::signals::ctrl_c;
 
 const CAMERA: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/cameras/rc30-5324.toml");
 
@@ -54,6 +56,6 @@ fn firmware_that_is_served_answers_host_sim_and_the_client_in_python() {
     let printed = String::from_utf8(read.stdout).unwrap();
     assert!(printed.contains("board mps2"), "{printed}");
     assert!(printed.contains("not prepared"), "{printed}");
-    kill_process(Pid::from_child(&server), Signal::INT).unwrap();
+    kill_process(Pid::from_child(&server), ctrl_c()).unwrap();
     assert_eq!(server.wait().unwrap().code(), Some(0));
 }
