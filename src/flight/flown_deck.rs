@@ -83,9 +83,8 @@ impl<Drive: FlownDrive> FlownDeck<Drive> {
         }
     }
 
-    /// Returns the same camera, for a board that carries out
-    /// [`Action::ClockRows`](crate::flight::event::Action::ClockRows); any other board refuses a
-    /// TDI camera.
+    /// Returns the same camera, for a board that carries out [`Action::ClockRows`]; any other board
+    /// refuses a TDI camera.
     #[must_use]
     pub fn with_row_clock(self) -> Self {
         Self {

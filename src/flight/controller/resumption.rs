@@ -140,7 +140,7 @@ mod tests {
             .doubt(InDoubt::between([3, 5], 0.004, true));
         let in_doubt = before.flight_state().in_doubt.unwrap();
         assert!(in_doubt.contains(3) && in_doubt.contains(7) && in_doubt.is_fault);
-        // What is kept leaves the camera as it is.
+        // To keep it leaves the camera as it is.
         assert_eq!(before.flight_state().in_doubt, Some(in_doubt));
         let mut again = Controller::new();
         again.take_over(&before.flight_state());

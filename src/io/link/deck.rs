@@ -35,7 +35,7 @@ pub trait FlightDeck {
 
     /// Prepares the loaded camera for the flight that it was prepared for before a reset; with
     /// `flies_on` it arms itself without force on the stage
-    /// ([`Start::FliesOn`](crate::flight::controller::Start::FliesOn)).
+    /// ([`Start::FliesOn`]).
     ///
     /// # Errors
     /// As [`Self::prepare`].
