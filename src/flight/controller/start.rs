@@ -21,7 +21,7 @@ pub enum Start {
     /// As [`Self::Orderly`], but the encoder has lost its place.
     Unreferenced,
     /// A reset has ended the flight that is prepared now, and it goes on: as
-    /// [`Self::AfterWatchdog`], but the fault ends by itself once the stage stands, and triggers
+    /// [`Self::AfterWatchdog`], but the fault ends by itself after a while, and triggers
     /// are obeyed without force on the stage.
     FliesOn,
 }

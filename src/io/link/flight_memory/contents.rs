@@ -18,7 +18,7 @@ pub(crate) struct KeptHead {
     pub(crate) boot: u32,
     /// Number of the last flight, counted in the same way.
     pub(crate) flight: u32,
-    /// Resets in a row after which the flight went on, each soon after the one before.
+    /// Resets in a row of the prepared camera, each soon after the one before.
     pub(crate) resumed: u8,
     /// The flight; `None` while the camera is not prepared.
     pub(crate) prepared: Option<KeptFlight>,
