@@ -8,6 +8,7 @@ pub mod arrow_field;
 mod arrow_scale;
 #[cfg(feature = "full")]
 pub mod block_experiment;
+#[cfg(feature = "full")]
 pub mod board_inputs;
 pub mod budget;
 #[cfg(feature = "full")]
