@@ -98,6 +98,12 @@ pub(super) fn round(
     for (time, event) in events {
         let actions = controller.handle(setup, *time, *event);
         take((setup, controller), drive, now, &actions, outside);
+        if let Event::Shutter(edge) = *event
+            && let Some(latched) = drive.take_latched(edge, *time)
+        {
+            // It leads to no action.
+            controller.handle(setup, *time, Event::Latched(latched));
+        }
     }
     let actions = controller.handle(setup, now, reading);
     take((setup, controller), drive, now, &actions, outside);

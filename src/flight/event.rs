@@ -41,6 +41,9 @@ pub enum Event {
     /// The index mark was crossed since the last round, at this reading of the encoder, mm along
     /// the FMC axis.
     IndexMark(f32),
+    /// The place of the stage at an edge of the shutter's sensor, latched by hardware; it comes
+    /// after the edge.
+    Latched(StageReading),
 }
 
 impl Event {

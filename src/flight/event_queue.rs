@@ -69,7 +69,11 @@ impl Kind {
             Event::Vh(_) => Self::Vh,
             Event::Attitude(_) => Self::Attitude,
             Event::GnssTime(_) => Self::GnssTime,
-            Event::Stage(_) | Event::IndexMark(_) | Event::Tick | Event::Lost(_) => return None,
+            Event::Stage(_)
+            | Event::IndexMark(_)
+            | Event::Latched(_)
+            | Event::Tick
+            | Event::Lost(_) => return None,
         })
     }
 }
@@ -105,8 +109,8 @@ impl EventQueue {
     ///
     /// # Errors
     /// [`Full`] if there is no place; the event is not counted as lost. [`Event::Stage`],
-    /// [`Event::IndexMark`], [`Event::Tick`] and [`Event::Lost`], which the control loop makes
-    /// itself, have no place.
+    /// [`Event::IndexMark`], [`Event::Latched`], [`Event::Tick`] and [`Event::Lost`], which the
+    /// control loop makes itself, have no place.
     pub(crate) fn offer(&mut self, time: Time, event: Event) -> Result<(), Full> {
         let kind = Kind::of(&event).ok_or(Full)?;
         let alike = self

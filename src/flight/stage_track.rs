@@ -29,6 +29,9 @@ pub struct StagePlace {
     pub offset_mm: f32,
     /// σ of the stage's offset from its screw, mm.
     pub play_sigma_mm: f32,
+    /// `true` if hardware latched it at an edge of the shutter's sensor: it may be so near to a
+    /// reading that nothing is told by the speed between the two.
+    pub is_latched: bool,
 }
 
 /// The latest places, in order of time; from the opening of the shutter on, all of the exposure.
@@ -120,6 +123,28 @@ impl StageTrack {
         if !self.is_last_passing {
             self.since_kept = 0;
         }
+        self.add(place);
+    }
+
+    /// Takes a place that was latched at an edge of the shutter's sensor: after the last place, or
+    /// between it and the one before, since an edge may come just before the stage is read and be
+    /// told a round later. An older one is left out, and one of the time of a place.
+    pub fn latch(&mut self, place: StagePlace) {
+        let later = self.places.pop_back_if(|last| place.time < last.time);
+        if self.places.back().is_none_or(|it| it.time < place.time) {
+            // Otherwise the next reading would take the room of this place.
+            self.is_last_passing &= later.is_some();
+            self.add(place);
+        }
+        if let Some(later) = later {
+            self.add(later);
+        }
+    }
+
+    fn add(&mut self, place: StagePlace) {
+        if self.places.is_full() {
+            self.make_room();
+        }
         // There is room now.
         let _ = self.places.push_back(place);
     }
@@ -192,7 +217,8 @@ impl StageTrack {
     /// The speed changes evenly: it has its mean between two readings in the middle of them.
     #[must_use]
     pub(crate) fn speed_at(&self, offset_mm: f32) -> Option<TrackSpeed> {
-        let latest = || self.places.iter().rev().take(RECENT);
+        let readings = || self.places.iter().filter(|it| !it.is_latched);
+        let latest = || readings().rev().take(RECENT);
         let mut speeds = latest().zip(latest().skip(1)).map(|(after, before)| {
             (after.offset_mm - before.offset_mm) / after.time.seconds_since(before.time)
         });
@@ -243,12 +269,15 @@ impl StageTrack {
             time_s: place.time.seconds_since(opened),
             offset_mm: place.offset_mm,
         };
-        let samples = || self.places.iter().map(sample);
-        let from_the_end = || self.places.iter().rev().map(sample);
-        let first_two = (samples().next(), samples().nth(1));
-        let last_two = (from_the_end().nth(1), from_the_end().next());
-        let ((Some(first), Some(second)), (Some(before), Some(last))) = (first_two, last_two)
-        else {
+        let (Some(first), Some(last)) = (self.places.front(), self.places.back()) else {
+            return path;
+        };
+        let [first, last] = [first, last].map(sample);
+        let readings = || self.places.iter().filter(|it| !it.is_latched).map(sample);
+        let mut from_the_end = readings().rev();
+        let first_two = (readings().next(), readings().nth(1));
+        let last_two = (from_the_end.next(), from_the_end.next());
+        let ((Some(one), Some(two)), (Some(end), Some(before))) = (first_two, last_two) else {
             return path;
         };
         // Of the places up to the opening, only the last concerns the exposure.
@@ -256,7 +285,7 @@ impl StageTrack {
         // There is room for all and two more.
         if first.time_s > 0.0 && first.time_s <= CONTINUED_S {
             path.is_continued = true;
-            let _ = path.samples.push(continued(second, first, 0.0));
+            let _ = path.samples.push(continued(first, slope(one, two), 0.0));
         }
         let mut play_sigma_mm = 0.0;
         for places in self.parts(before_it, self.places.len()) {
@@ -268,23 +297,28 @@ impl StageTrack {
         path.play_sigma_mm = play_sigma_mm;
         if last.time_s < exposure_s && last.time_s + CONTINUED_S >= exposure_s {
             path.is_continued = true;
-            let _ = path.samples.push(continued(before, last, exposure_s));
+            let _ = path
+                .samples
+                .push(continued(last, slope(before, end), exposure_s));
         }
         path.is_covered = first.time_s <= CONTINUED_S && last.time_s + CONTINUED_S >= exposure_s;
         path.look_over(exposure_s);
-        path.bend_mm = self.bend_mm(before_it.saturating_sub(1), closed);
+        path.bend_mm = self.bend_mm(before_it, closed);
         path
     }
 
-    /// Returns the largest difference of a move and of the move before it, at equal times, mm, from
-    /// a place on until an exposure ends.
+    /// Returns the largest difference of a move and of the move before it, at equal times, mm, of
+    /// the moves between readings from the one before a place on until an exposure ends.
     fn bend_mm(&self, first: usize, closed: Time) -> f32 {
+        let is_latched = |index| self.places.get(index).is_some_and(|it| it.is_latched);
+        let first = first.saturating_sub(1 + usize::from(is_latched(first)));
         // The last move begins before the end.
-        let end = self.count(|time| time < closed) + 1;
+        let end = self.count(|time| time < closed);
+        let end = end + 1 + usize::from(is_latched(end));
         let mut bend_mm = 0.0;
         let (mut from, mut earlier): (Option<&StagePlace>, Option<Move>) = (None, None);
         for places in self.parts(first, end) {
-            for to in places {
+            for to in places.iter().filter(|it| !it.is_latched) {
                 if let Some(from) = from {
                     let later = Move::between(from, to);
                     if let Some(earlier) = earlier {
@@ -347,7 +381,7 @@ impl ExposurePath {
         let Some(samples @ [first, .., last]) = self.samples.get(inside) else {
             return;
         };
-        let slope = (last.offset_mm - first.offset_mm) / (last.time_s - first.time_s);
+        let slope = slope(*first, *last);
         let (mut above, mut below, mut gap_s) = (0.0_f32, 0.0_f32, 0.0_f32);
         for (before, after) in samples.iter().zip(samples.iter().skip(1)) {
             let line_mm = first.offset_mm + slope * (after.time_s - first.time_s);
@@ -366,12 +400,16 @@ fn larger(one: f32, other: f32) -> f32 {
     if other > one { other } else { one }
 }
 
-/// Extrapolates the straight line through two samples to a time beyond the second.
-fn continued(first: StageSample, second: StageSample, time_s: f32) -> StageSample {
-    let slope = (second.offset_mm - first.offset_mm) / (second.time_s - first.time_s);
+/// Returns the speed from one sample to a later one, mm/s.
+fn slope(from: StageSample, to: StageSample) -> f32 {
+    (to.offset_mm - from.offset_mm) / (to.time_s - from.time_s)
+}
+
+/// Continues the path from a sample at a speed, mm/s, to a time beyond the samples.
+fn continued(from: StageSample, speed_mm_s: f32, time_s: f32) -> StageSample {
     StageSample {
         time_s,
-        offset_mm: second.offset_mm + slope * (time_s - second.time_s),
+        offset_mm: from.offset_mm + speed_mm_s * (time_s - from.time_s),
     }
 }
 

@@ -8,9 +8,12 @@ is written to it.
 
 from collections import deque
 
+import dma
 import flash
 from processor import CYCLES_PER_US
-from timers import ARR, CCER, CCR1, CR1, ENABLED, CompareTimer, EncoderTimer, MotorTimer, Timer
+from timers import (
+    ARR, CCER, CCR1, CNT, CR1, DIER, ENABLED, CompareTimer, EncoderTimer, MotorTimer, Timer,
+)  # fmt: skip
 
 TIM1, TIM2, TIM4, TIM5 = 0x4001_0000, 0x4000_0000, 0x4000_0800, 0x4000_0C00
 USART2, USART3, UART7 = 0x4000_4400, 0x4000_4800, 0x4000_7800
@@ -225,13 +228,15 @@ class Chip:
         self.receiver = SerialPort(processor, self.pins, USART2, "PD6")
         self.autopilot = SerialPort(processor, self.pins, UART7, "PE7")
         self.bank = flash.Bank(processor, self.random)
+        self.streams = dma.Streams(processor.uc.mem_write)
+        self.requests = dma.Requests(self.streams)
         self.timers = (self.motor, self.clock, self.shutter, self.encoder)
         self.ports = (self.link, self.receiver, self.autopilot)
         self.interrupts = (
             (28, self.clock), (38, self.receiver), (39, self.link), (50, self.shutter),
             (82, self.autopilot),
         )  # fmt: skip
-        blocks = (*self.timers, *self.ports, self.bank)
+        blocks = (*self.timers, *self.ports, self.bank, self.streams, self.requests)
         self.blocks = {block.base >> 10: block for block in blocks}
         self.flags = 0
         self.fed = None
@@ -409,6 +414,15 @@ class Chip:
         passes = width_ns >= self.clock.filter_ns(channel)
         if passes and self.clock.is_falling(channel) == is_falling and self.pins.has_function(name):
             self.clock.capture(channel, self.clock.count(time))
+            if self.clock.registers.get(DIER, 0) >> 9 + channel & 1:
+                request = dma.REQUESTS_OF_CAPTURES + channel
+                self.requests.come(request, lambda address: self._latch(address, time))
+
+    def _latch(self, address, time):
+        """Returns what the DMA reads from a register at a time that has just passed."""
+        if address == TIM4 + CNT:
+            return self.encoder.count(time)
+        return self.read(address, 2)
 
     def index(self, counts):
         """The stage has crossed the mark, where the encoder has so many counts."""

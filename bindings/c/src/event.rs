@@ -60,6 +60,9 @@ pub const FMC_EVENT_TICK: fmc_code = 23;
 pub const FMC_EVENT_LOST: fmc_code = 24;
 /// The index mark was crossed at the reading `values[0]`, mm along the FMC axis.
 pub const FMC_EVENT_INDEX_MARK: fmc_code = 25;
+/// Offset of the stage that hardware latched at an edge of the shutter's sensor, after the edge's
+/// event: `values[0]`, mm along the FMC axis, at the time in number, µs.
+pub const FMC_EVENT_LATCHED: fmc_code = 26;
 
 /// Numbers of an event.
 pub const FMC_EVENT_VALUES: usize = 6;
@@ -159,6 +162,10 @@ impl fmc_event {
             FMC_EVENT_TICK => Event::Tick,
             FMC_EVENT_LOST => Event::Lost(u32::try_from(self.number).unwrap_or(u32::MAX)),
             FMC_EVENT_INDEX_MARK => Event::IndexMark(value),
+            FMC_EVENT_LATCHED => Event::Latched(StageReading {
+                time: Time::from_us(self.number),
+                offset_mm: value,
+            }),
             kind => return Err(unknown(kind)),
         };
         Ok((Time::from_us(self.time_us), event))

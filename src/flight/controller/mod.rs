@@ -97,6 +97,7 @@ impl Controller {
             Event::Shutter(edge) => self.shutter_edge(setup, time, edge, &mut actions),
             Event::Stage(reading) => self.stage_reading(setup, time, reading, &mut actions),
             Event::IndexMark(reading_mm) => self.index_mark(setup, time, reading_mm),
+            Event::Latched(reading) => self.stage.latch(setup, reading),
             Event::LimitSwitch => self.fail(setup, Fault::LimitSwitch, &mut actions),
             Event::Drive(fault) => self.fail(setup, fault, &mut actions),
             Event::Supply(supply) => self.supply(setup, supply, &mut actions),

@@ -5,6 +5,7 @@ use embedded_hal::digital::OutputPin;
 use super::flown_drive::FlownDrive;
 use super::settings::DriveSettings;
 use super::{FmcDrive, StageReading};
+use crate::flight::event::ShutterEdge;
 use crate::flight::fault::Fault;
 use crate::flight::stage::Setpoint;
 use crate::flight::time::Time;
@@ -59,6 +60,10 @@ impl<Drive: FmcDrive, Enable: OutputPin> FmcDrive for EnabledDrive<Drive, Enable
 
     fn take_index(&mut self) -> Option<f32> {
         self.drive.take_index()
+    }
+
+    fn take_latched(&mut self, edge: ShutterEdge, at: Time) -> Option<StageReading> {
+        self.drive.take_latched(edge, at)
     }
 
     fn follow(&mut self, now: Time, setpoint: Setpoint) -> Result<(), Fault> {

@@ -1,5 +1,6 @@
 //! Drives that move the stage.
 
+use super::event::ShutterEdge;
 use super::fault::Fault;
 use super::stage::Setpoint;
 use super::time::Time;
@@ -133,6 +134,18 @@ pub trait FmcDrive {
     /// step, the edge counts that comes first on the way along the FMC axis; on the way against it,
     /// the same one every time, which tells of the play.
     fn take_index(&mut self) -> Option<f32> {
+        None
+    }
+
+    /// Returns the position that hardware latched at an edge of the shutter's sensor, which came at
+    /// this time, camera time; `None` if there is none, or if it cannot be told which of several
+    /// edges it belongs to.
+    ///
+    /// The control loop asks once for every edge, in the round that takes it. Readings are a
+    /// millisecond apart, and a stage that shakes faster than that is elsewhere between them: the
+    /// ends of a short exposure are known by what is latched alone.
+    fn take_latched(&mut self, edge: ShutterEdge, at: Time) -> Option<StageReading> {
+        let _ = (edge, at);
         None
     }
 

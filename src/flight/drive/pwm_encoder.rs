@@ -8,6 +8,7 @@ use super::quadrature::QuadratureCounter;
 use super::settings::DriveSettings;
 use super::velocity_loop::VelocityLoop;
 use super::{FmcDrive, StageReading};
+use crate::flight::event::ShutterEdge;
 use crate::flight::fault::Fault;
 use crate::flight::stage::Setpoint;
 use crate::flight::time::Time;
@@ -131,6 +132,14 @@ where
         &mut self.pins
     }
 
+    /// Returns the place that a count shows which was taken at a time.
+    fn reading(&self, taken: Time, count: i32) -> StageReading {
+        StageReading {
+            time: taken.plus_s(-self.settings.velocity_loop.reading_age_s),
+            offset_mm: self.offset_mm(count),
+        }
+    }
+
     #[expect(clippy::cast_precision_loss, reason = "exact to 16 million counts")]
     fn offset_mm(&self, count: i32) -> f32 {
         // The difference is right across a wrap of the counter.
@@ -184,15 +193,17 @@ where
     fn position(&mut self, now: Time) -> Result<StageReading, Fault> {
         let count = self.pins.counter.count();
         self.read = Some((now, count));
-        Ok(StageReading {
-            time: now.plus_s(-self.settings.velocity_loop.reading_age_s),
-            offset_mm: self.offset_mm(count),
-        })
+        Ok(self.reading(now, count))
     }
 
     fn take_index(&mut self) -> Option<f32> {
         let count = self.pins.counter.take_index()?;
         Some(self.offset_mm(count))
+    }
+
+    fn take_latched(&mut self, edge: ShutterEdge, at: Time) -> Option<StageReading> {
+        let count = self.pins.counter.take_latched(edge)?;
+        Some(self.reading(at, count))
     }
 
     fn follow(&mut self, now: Time, setpoint: Setpoint) -> Result<(), Fault> {

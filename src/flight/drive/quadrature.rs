@@ -2,6 +2,7 @@
 
 use embedded_hal::digital::InputPin;
 
+use crate::flight::event::ShutterEdge;
 use crate::flight::fault::Fault;
 
 /// A counter of quadrature edges; a timer of the chip in encoder mode, mostly.
@@ -16,6 +17,13 @@ pub trait QuadratureCounter {
     /// Returns the count that was latched at the last crossing of the index mark; `None` if there
     /// was none since the last call, or there is no mark.
     fn take_index(&mut self) -> Option<i32> {
+        None
+    }
+
+    /// Returns the count that hardware latched at the last edge of this kind of the shutter's
+    /// sensor; `None` if there was none since the last call, or more than one.
+    fn take_latched(&mut self, edge: ShutterEdge) -> Option<i32> {
+        let _ = edge;
         None
     }
 }

@@ -11,6 +11,7 @@ fn place(us: u64) -> StagePlace {
         time: Time::from_us(us),
         offset_mm,
         play_sigma_mm: 0.0,
+        is_latched: false,
     }
 }
 
@@ -90,6 +91,7 @@ fn track_of(offsets_mm: &[f32]) -> StageTrack {
             time: Time::from_us(1000 * round),
             offset_mm: *offset_mm,
             play_sigma_mm: 0.0,
+            is_latched: false,
         });
     }
     track

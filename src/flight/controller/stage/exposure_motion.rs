@@ -3,7 +3,7 @@
 use super::StageMachine;
 use crate::flight::controller::setup::Setup;
 use crate::flight::controller::timing::{
-    LONGEST_GAP, READING_GAP_PART, READING_GAP_S, STAMP_SIGMA_S,
+    LONGEST_GAP, READING_GAP_PART, READING_GAP_S, STAMP_SIGMA_S, TICK_S,
 };
 use crate::flight::drive::settings::DriveSettings;
 use crate::flight::principal_point_sigma::PrincipalPointSigma;
@@ -63,7 +63,9 @@ impl StageMachine {
         let read = intervals * exposure_s / (last.time_s - first.time_s);
         let mut sigma = sigma_of_readings(drive, &motion, exposure_s, read, path.play_sigma_mm);
         let bend_mm = (path.bend_mm - BEND_STEPS * step_mm).max(0.0);
-        sigma.frame_mm = libm::hypotf(sigma.frame_mm, BEND_PART * bend_mm * share);
+        // The bend is that of moves a tick long: less of it fits between places that are nearer.
+        let part = BEND_PART * (longest_gap_s / TICK_S).min(1.0);
+        sigma.frame_mm = libm::hypotf(sigma.frame_mm, part * bend_mm * share);
         let is_whole = !path.is_continued && longest_gap_s <= gap_s;
         if !is_whole {
             // A stage that follows may be off by this much between readings.

@@ -172,11 +172,35 @@ impl StageMachine {
             time: reading.time,
             offset_mm: reading.offset_mm + play.offset_mm,
             play_sigma_mm: play.sigma_mm,
+            is_latched: false,
         });
         self.following_slope.push(reading.time, seen.error_mm);
         if self.motion.is_some() {
             self.following_error.push(seen.error_mm);
         }
+    }
+
+    /// Keeps a place that was latched at an edge of the shutter's sensor, if the stage has come
+    /// there from its last reading as its set point has, but for what no reading may step beyond it
+    /// without suspicion. Another is left out, and the readings about it stand for it.
+    pub(super) fn latch(&mut self, setup: &Setup, latched: StageReading) {
+        let set = [latched.time, self.last_reading].map(|time| self.setpoint(time));
+        let ([Some(there), Some(before)], Some(read_mm)) = (set, self.read_mm) else {
+            return;
+        };
+        let step_mm = latched.offset_mm - read_mm;
+        let beyond_mm = libm::fabsf(step_mm - (there.offset_mm - before.offset_mm));
+        let is_near = beyond_mm <= setup.stage_tolerance().jump_mm;
+        if self.is_place_lost || !is_near {
+            return;
+        }
+        let play = self.play.offset(setup.settings.drive.unseen_play_mm());
+        self.track.latch(StagePlace {
+            time: latched.time,
+            offset_mm: latched.offset_mm + play.offset_mm,
+            play_sigma_mm: play.sigma_mm,
+            is_latched: true,
+        });
     }
 
     /// Lets the stage stand at the start of a profile until [`Self::begin`].

@@ -14,6 +14,7 @@ mod flash_error;
 mod flash_words;
 mod force;
 mod inputs;
+mod latches;
 mod line;
 mod link;
 mod log;
@@ -34,6 +35,7 @@ use self::{
     clock::Microseconds,
     flash::Flash,
     inputs::Inputs,
+    latches::Latches,
     link::Link,
     motor::{Motor, MotorPins},
     shutter::Shutter,
@@ -64,6 +66,7 @@ pub(crate) struct Board {
     _clock: Microseconds,
     motor: Motor,
     captures: Captures,
+    _latches: Latches,
     _shutter: Shutter,
     inputs: Inputs,
     wires: Wires,
@@ -120,6 +123,7 @@ impl Board {
                 shutter_opened: p.PB10,
                 shutter_closed: p.PB11,
             }),
+            _latches: Latches::start(p.DMA1_CH0, p.DMA1_CH1),
             _shutter: Shutter::start(p.TIM5, p.PA3),
             inputs: Inputs::start(p.PC8, p.PC9),
             wires: Wires::start((p.USART2, p.UART7), p.PD6, p.PE7),

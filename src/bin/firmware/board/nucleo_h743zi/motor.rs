@@ -24,12 +24,14 @@ use fmc_camera::flight::{
         pwm_encoder::{Pins, PwmEncoder},
         quadrature::{QuadratureCounter, WideCount},
     },
+    event::ShutterEdge,
     input_settings::{Edge, InputSettings},
 };
 
 use super::{
     force::{Enable, ForcePins},
     inputs::filter_of,
+    latches::Latched,
     line::{Line, attach},
 };
 
@@ -52,6 +54,7 @@ pub(super) fn drive() -> Drive {
         direction: DIRECTION,
         counter: Encoder {
             count: WideCount::new(),
+            latched: Latched::default(),
         },
     };
     EnabledDrive::new(PwmEncoder::unprepared(pins), Enable::new())
@@ -185,6 +188,7 @@ impl SetDutyCycle for MotorPwm {
 /// The count of TIM4, which the control loop reads every millisecond.
 pub(crate) struct Encoder {
     count: WideCount,
+    latched: Latched,
 }
 
 impl QuadratureCounter for Encoder {
@@ -206,6 +210,11 @@ impl QuadratureCounter for Encoder {
             pac::TIM4.sr().write_value(overrun);
             return None;
         }
+        Some(self.count.near(latched))
+    }
+
+    fn take_latched(&mut self, edge: ShutterEdge) -> Option<i32> {
+        let latched = self.latched.take(edge)?;
         Some(self.count.near(latched))
     }
 }
