@@ -4,7 +4,7 @@ use heapless::Vec;
 
 use super::controller::{Actions, Controller, MAX_ACTIONS, Setup};
 use super::drive::{FmcDrive, StageReading};
-use super::event::{Action, Event};
+use super::event::{Action, Event, ShutterEdge};
 use super::fault::Fault;
 use super::prepared_camera::PreparedCamera;
 use super::settings::FlightSettings;
@@ -95,13 +95,22 @@ pub(super) fn round(
         Ok(reading) => Event::Stage(reading),
         Err(fault) => Event::Drive(fault),
     };
+    let opens = |(_, event): &(Time, Event)| *event == Event::Shutter(ShutterEdge::Opened);
+    if controller.is_in_exposure() || events.iter().any(opens) {
+        let last = controller.last_place();
+        for latched in drive.take_latches() {
+            if last.is_none_or(|last| latched.time > last.time) {
+                // It leads to no action.
+                controller.handle(setup, latched.time, Event::Latched(latched));
+            }
+        }
+    }
     for (time, event) in events {
         let actions = controller.handle(setup, *time, *event);
         take((setup, controller), drive, now, &actions, outside);
         if let Event::Shutter(edge) = *event
             && let Some(latched) = drive.take_latched(edge, *time)
         {
-            // It leads to no action.
             controller.handle(setup, *time, Event::Latched(latched));
         }
     }

@@ -41,8 +41,8 @@ pub enum Event {
     /// The index mark was crossed since the last round, at this reading of the encoder, mm along
     /// the FMC axis.
     IndexMark(f32),
-    /// The place of the stage at an edge of the shutter's sensor, latched by hardware; it comes
-    /// after the edge.
+    /// A place of the stage that hardware latched between two readings: at an edge of the shutter's
+    /// sensor, after the edge itself, or in an exposure.
     Latched(StageReading),
 }
 

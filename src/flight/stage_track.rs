@@ -29,8 +29,8 @@ pub struct StagePlace {
     pub offset_mm: f32,
     /// σ of the stage's offset from its screw, mm.
     pub play_sigma_mm: f32,
-    /// `true` if hardware latched it at an edge of the shutter's sensor: it may be so near to a
-    /// reading that nothing is told by the speed between the two.
+    /// `true` if hardware latched it between two readings: it may be so near to one of them that
+    /// nothing is told by the speed between the two.
     pub is_latched: bool,
 }
 
@@ -44,6 +44,8 @@ pub struct StageTrack {
     since_kept: u32,
     /// `true` if the last reading makes room for the next.
     is_last_passing: bool,
+    /// `true` in an exposure that has no room for places between its readings.
+    takes_no_more: bool,
 }
 
 impl Default for StageTrack {
@@ -95,6 +97,7 @@ impl StageTrack {
             stride: 1,
             since_kept: 0,
             is_last_passing: false,
+            takes_no_more: false,
         }
     }
 
@@ -126,18 +129,32 @@ impl StageTrack {
         self.add(place);
     }
 
-    /// Takes a place that was latched at an edge of the shutter's sensor: after the last place, or
-    /// between it and the one before, since an edge may come just before the stage is read and be
-    /// told a round later. An older one is left out, and one of the time of a place.
+    /// Takes a place that was latched between two readings, in order of time. One of the time of
+    /// another place is left out, and one that is older than the first.
+    ///
+    /// In an exposure that has no room for it, all such places are forgotten, and no more are taken:
+    /// it is long enough to be known by its readings.
     pub fn latch(&mut self, place: StagePlace) {
-        let later = self.places.pop_back_if(|last| place.time < last.time);
-        if self.places.back().is_none_or(|it| it.time < place.time) {
-            // Otherwise the next reading would take the room of this place.
-            self.is_last_passing &= later.is_some();
-            self.add(place);
+        let before = self.count(|time| time < place.time);
+        let is_there = |it: &StagePlace| it.time == place.time;
+        if self.takes_no_more || before == 0 || self.places.get(before).is_some_and(is_there) {
+            return;
         }
-        if let Some(later) = later {
-            self.add(later);
+        // Otherwise the next reading would take the room of this place.
+        self.is_last_passing &= before < self.places.len();
+        self.add(place);
+        let mut at = self.places.len().saturating_sub(1);
+        while let Some(earlier) = at.checked_sub(1)
+            && self
+                .places
+                .get(earlier)
+                .is_some_and(|it| it.time > place.time)
+        {
+            self.copy(earlier, at);
+            at = earlier;
+        }
+        if let Some(there) = self.places.get_mut(at) {
+            *there = place;
         }
     }
 
@@ -163,25 +180,43 @@ impl StageTrack {
             }
             return;
         }
+        if !core::mem::replace(&mut self.takes_no_more, true) {
+            self.forget_latched(before);
+            if !self.places.is_full() {
+                return;
+            }
+        }
         let of_exposure = self.places.len().saturating_sub(before);
         let every_other = before + of_exposure / 2;
         for to in before..every_other {
-            self.shift(2 * to + 1 - before, to);
+            self.copy(2 * to + 1 - before, to);
         }
         // The last is kept, too.
         let kept = every_other + of_exposure % 2;
-        self.shift(self.places.len().saturating_sub(1), kept.saturating_sub(1));
+        self.copy(self.places.len().saturating_sub(1), kept.saturating_sub(1));
         self.places.truncate(kept);
         self.stride = self.stride.saturating_mul(2);
         self.since_kept = 0;
     }
 
-    /// Copies a place to an earlier index.
-    fn shift(&mut self, from: usize, to: usize) {
+    /// Forgets the places between readings from an index on.
+    fn forget_latched(&mut self, first: usize) {
+        let mut kept = first;
+        for from in first..self.places.len() {
+            if self.places.get(from).is_some_and(|it| !it.is_latched) {
+                self.copy(from, kept);
+                kept += 1;
+            }
+        }
+        self.places.truncate(kept);
+    }
+
+    /// Copies a place to another index.
+    fn copy(&mut self, from: usize, to: usize) {
         if let Some(place) = self.places.get(from).copied()
-            && let Some(earlier) = self.places.get_mut(to)
+            && let Some(other) = self.places.get_mut(to)
         {
-            *earlier = place;
+            *other = place;
         }
     }
 
@@ -190,12 +225,18 @@ impl StageTrack {
         self.keep_from = Some(opened);
     }
 
+    /// Returns `true` in an exposure, whose places are kept.
+    pub(crate) const fn is_kept(&self) -> bool {
+        self.keep_from.is_some()
+    }
+
     /// Ends an exposure: old readings may be forgotten.
     pub(crate) fn keep_latest(&mut self) {
         self.keep_from = None;
         self.stride = 1;
         self.since_kept = 0;
         self.is_last_passing = false;
+        self.takes_no_more = false;
     }
 
     /// Forgets everything: the places to come cannot be compared with those so far.

@@ -13,9 +13,11 @@ import flash
 from processor import CYCLES_PER_US
 from timers import (
     ARR, CCER, CCR1, CNT, CR1, DIER, ENABLED, CompareTimer, EncoderTimer, MotorTimer, Timer,
+    UpdateTimer,
 )  # fmt: skip
 
 TIM1, TIM2, TIM4, TIM5 = 0x4001_0000, 0x4000_0000, 0x4000_0800, 0x4000_0C00
+TIM6 = 0x4000_1000
 USART2, USART3, UART7 = 0x4000_4400, 0x4000_4800, 0x4000_7800
 GPIO, PORTS = 0x5802_0000, "ABCDEFGHIJK"
 RCC, PWR, IWDG = 0x5802_4400, 0x5802_4800, 0x5800_4800
@@ -224,13 +226,14 @@ class Chip:
         self.clock = Timer(processor, TIM2)
         self.shutter = CompareTimer(processor, TIM5, self.outputs_changed)
         self.encoder = EncoderTimer(processor, TIM4, self.bench.counts)
+        self.interval = UpdateTimer(processor, TIM6, self._interval)
         self.link = SerialPort(processor, self.pins, USART3, "PD9", "PD8")
         self.receiver = SerialPort(processor, self.pins, USART2, "PD6")
         self.autopilot = SerialPort(processor, self.pins, UART7, "PE7")
         self.bank = flash.Bank(processor, self.random)
         self.streams = dma.Streams(processor.uc.mem_write)
         self.requests = dma.Requests(self.streams)
-        self.timers = (self.motor, self.clock, self.shutter, self.encoder)
+        self.timers = (self.motor, self.clock, self.shutter, self.encoder, self.interval)
         self.ports = (self.link, self.receiver, self.autopilot)
         self.interrupts = (
             (28, self.clock), (38, self.receiver), (39, self.link), (50, self.shutter),
@@ -417,6 +420,9 @@ class Chip:
             if self.clock.registers.get(DIER, 0) >> 9 + channel & 1:
                 request = dma.REQUESTS_OF_CAPTURES + channel
                 self.requests.come(request, lambda address: self._latch(address, time))
+
+    def _interval(self, time):
+        self.requests.come(dma.REQUEST_OF_INTERVAL, lambda address: self._latch(address, time))
 
     def _latch(self, address, time):
         """Returns what the DMA reads from a register at a time that has just passed."""

@@ -1,5 +1,5 @@
 """The part of the DMA that the image uses: circular transfers of 16 bits from a register to memory,
-each requested by a capture of the clock.
+each requested by a capture of the clock or by the wrap of a timer.
 
 Registers are those of ST's manual RM0433: streams of DMA1, and DMAMUX1, which leads requests to
 them.
@@ -8,6 +8,8 @@ them.
 DMA1, DMAMUX1 = 0x4002_0000, 0x4002_0800
 # Requests of TIM2's channels, RM0433 table 121, from channel 1 on.
 REQUESTS_OF_CAPTURES = 18
+# Request of TIM6's wraps.
+REQUEST_OF_INTERVAL = 69
 STREAMS, FIRST_STREAM, STREAM_BYTES = 8, 0x10, 0x18
 CR, NDTR, PAR, M0AR = 0x00, 0x04, 0x08, 0x0C
 # Enabled, circular, memory pointer moves, both sides 16 bits, from a register to memory.

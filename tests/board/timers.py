@@ -181,6 +181,34 @@ class CompareTimer(Timer):
         return self.is_active and self.registers.get(CCER, 0) >> 4 * self.CHANNEL & 3 == 1
 
 
+class UpdateTimer(Timer):
+    """TIM6: a counter whose wraps request transfers."""
+
+    REQUESTS = 1 << 8
+
+    def __init__(self, processor, base, updated):
+        self.updated = updated
+        super().__init__(processor, base, bits=16)
+
+    def _plan(self, channel):
+        """Plans the next wrap; it has no channels."""
+        if channel or not self.runs or not self.registers.get(DIER, 0) & self.REQUESTS:
+            return
+        now, period = self.processor.now, TIMER_CYCLES * self.prescaler
+        ahead = self.registers[ARR] + 1 - self.count(now)
+        phase = (now - self.start_time) % period
+        self._wrap_at(now + ahead * period - phase, self.epoch)
+
+    def _wrap_at(self, time, epoch):
+        self.processor.at(time, lambda: self._wrap(time, epoch))
+
+    def _wrap(self, time, epoch):
+        if epoch == self.epoch:
+            self.updated(time)
+            turn = (self.registers[ARR] + 1) * TIMER_CYCLES * self.prescaler
+            self._wrap_at(time + turn, epoch)
+
+
 class MotorTimer(Timer):
     """TIM1: pulses on channel 1, a forced level on the complementary output of channel 3, and the
     break, which takes both outputs low and stays until software enables them again.

@@ -60,8 +60,9 @@ pub const FMC_EVENT_TICK: fmc_code = 23;
 pub const FMC_EVENT_LOST: fmc_code = 24;
 /// The index mark was crossed at the reading `values[0]`, mm along the FMC axis.
 pub const FMC_EVENT_INDEX_MARK: fmc_code = 25;
-/// Offset of the stage that hardware latched at an edge of the shutter's sensor, after the edge's
-/// event: `values[0]`, mm along the FMC axis, at the time in number, µs.
+/// Offset of the stage that hardware latched between two readings, at an edge of the shutter's sensor
+/// (after the edge's event) or in an exposure: `values[0]`, mm along the FMC axis, at the time in
+/// number, µs.
 pub const FMC_EVENT_LATCHED: fmc_code = 26;
 
 /// Numbers of an event.

@@ -55,6 +55,7 @@ pub use self::status::Counts;
 use super::calibration_id::CalibrationId;
 use super::event::{Action, Event};
 use super::fault::Fault;
+use super::stage_track::StagePlace;
 use super::time::Time;
 
 /// Largest number of actions that one event leads to.
@@ -114,6 +115,16 @@ impl Controller {
     #[must_use]
     pub const fn state(&self) -> State {
         self.readiness.state(self.frame.state())
+    }
+
+    /// Returns `true` from first light on, until the exposure is recorded.
+    pub(super) const fn is_in_exposure(&self) -> bool {
+        self.stage.track().is_kept()
+    }
+
+    /// The last place of the stage.
+    pub(super) fn last_place(&self) -> Option<StagePlace> {
+        self.stage.track().last()
     }
 
     /// Runs a round of the control loop.

@@ -4,7 +4,7 @@ use embedded_hal::digital::OutputPin;
 
 use super::flown_drive::FlownDrive;
 use super::settings::DriveSettings;
-use super::{FmcDrive, StageReading};
+use super::{FmcDrive, Latches, StageReading};
 use crate::flight::event::ShutterEdge;
 use crate::flight::fault::Fault;
 use crate::flight::stage::Setpoint;
@@ -64,6 +64,10 @@ impl<Drive: FmcDrive, Enable: OutputPin> FmcDrive for EnabledDrive<Drive, Enable
 
     fn take_latched(&mut self, edge: ShutterEdge, at: Time) -> Option<StageReading> {
         self.drive.take_latched(edge, at)
+    }
+
+    fn take_latches(&mut self) -> Latches {
+        self.drive.take_latches()
     }
 
     fn follow(&mut self, now: Time, setpoint: Setpoint) -> Result<(), Fault> {

@@ -30,6 +30,12 @@ pub struct StageReading {
     pub offset_mm: f32,
 }
 
+/// Positions that were latched between two readings.
+pub type Latches = heapless::Vec<StageReading, MAX_LATCHES>;
+
+/// Largest number of positions that are latched from one reading to the next.
+pub const MAX_LATCHES: usize = 4;
+
 /// A mechanism that moves the stage.
 ///
 /// Two are here: [`step_dir::StepDir`] and [`pwm_encoder::PwmEncoder`]. A piezo, a voice coil with
@@ -147,6 +153,14 @@ pub trait FmcDrive {
     fn take_latched(&mut self, edge: ShutterEdge, at: Time) -> Option<StageReading> {
         let _ = (edge, at);
         None
+    }
+
+    /// Returns the positions that hardware has latched between the last two readings, in order of
+    /// time; those of earlier rounds may be among them, and are left out.
+    ///
+    /// The control loop asks in every round of an exposure, after [`position`](Self::position).
+    fn take_latches(&mut self) -> Latches {
+        Latches::new()
     }
 
     /// Follows a set point, until the next call.

@@ -7,7 +7,7 @@ use super::flown_drive::FlownDrive;
 use super::quadrature::QuadratureCounter;
 use super::settings::DriveSettings;
 use super::velocity_loop::VelocityLoop;
-use super::{FmcDrive, StageReading};
+use super::{FmcDrive, Latches, StageReading};
 use crate::flight::event::ShutterEdge;
 use crate::flight::fault::Fault;
 use crate::flight::stage::Setpoint;
@@ -204,6 +204,18 @@ where
     fn take_latched(&mut self, edge: ShutterEdge, at: Time) -> Option<StageReading> {
         let count = self.pins.counter.take_latched(edge)?;
         Some(self.reading(at, count))
+    }
+
+    fn take_latches(&mut self) -> Latches {
+        let mut latches = Latches::new();
+        let Some((read, _)) = self.read else {
+            return latches;
+        };
+        for (age_s, count) in self.pins.counter.take_latches() {
+            // There are as many places.
+            let _ = latches.push(self.reading(read.plus_s(-age_s), count));
+        }
+        latches
     }
 
     fn follow(&mut self, now: Time, setpoint: Setpoint) -> Result<(), Fault> {

@@ -1,7 +1,9 @@
 //! Encoder counts: from a timer of the chip, or decoded from two pins.
 
 use embedded_hal::digital::InputPin;
+use heapless::Vec;
 
+use super::MAX_LATCHES;
 use crate::flight::event::ShutterEdge;
 use crate::flight::fault::Fault;
 
@@ -25,6 +27,12 @@ pub trait QuadratureCounter {
     fn take_latched(&mut self, edge: ShutterEdge) -> Option<i32> {
         let _ = edge;
         None
+    }
+
+    /// Returns the counts that hardware has latched before the last call of [`Self::count`], each
+    /// with its age then, s; the oldest first. Those of earlier calls may be among them.
+    fn take_latches(&mut self) -> Vec<(f32, i32), MAX_LATCHES> {
+        Vec::new()
     }
 }
 

@@ -180,9 +180,9 @@ impl StageMachine {
         }
     }
 
-    /// Keeps a place that was latched at an edge of the shutter's sensor, if the stage has come
-    /// there from its last reading as its set point has, but for what no reading may step beyond it
-    /// without suspicion. Another is left out, and the readings about it stand for it.
+    /// Keeps a place that was latched between two readings, if the stage has come there from its
+    /// last reading as its set point has, but for what no reading may step beyond it without
+    /// suspicion. Another is left out, and the readings about it stand for it.
     pub(super) fn latch(&mut self, setup: &Setup, latched: StageReading) {
         let set = [latched.time, self.last_reading].map(|time| self.setpoint(time));
         let ([Some(there), Some(before)], Some(read_mm)) = (set, self.read_mm) else {

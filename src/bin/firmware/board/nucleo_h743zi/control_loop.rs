@@ -10,7 +10,7 @@ use fmc_camera::flight::{
 
 use crate::journal;
 
-use super::{Deck, captures, clock, force, inputs, inputs::Inputs, shutter, wires};
+use super::{Deck, captures, clock, force, inputs, inputs::Inputs, latches, shutter, wires};
 
 /// Time from one round to the next, µs.
 const ROUND_US: u32 = 1000;
@@ -52,17 +52,16 @@ pub(super) fn turn(time: &mut DisciplinedClock, inputs: &Inputs, deck: &mut Deck
     for action in &deck.round(time.extend(now_us)) {
         match *action {
             Action::OpenShutter { at, exposure_s } => {
+                latches::take_between(true);
                 shutter::open(time.counted(at), time.counted_s(exposure_s));
             }
             Action::CloseShutter => shutter::close(),
             Action::Fault(fault) => journal::note_fault(fault),
             Action::InDoubt(exposures) => journal::note_doubt(exposures),
+            Action::FrameReady(_) => latches::take_between(false),
             // The deck has carried out the stage's actions, and does not prepare a camera whose
             // rows are to be clocked.
-            Action::MoveStage(_)
-            | Action::ReleaseStage
-            | Action::ClockRows { .. }
-            | Action::FrameReady(_) => {}
+            Action::MoveStage(_) | Action::ReleaseStage | Action::ClockRows { .. } => {}
         }
     }
 }

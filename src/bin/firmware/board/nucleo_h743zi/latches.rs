@@ -1,61 +1,88 @@
-//! Counts of the encoder at the shutter's edges: every capture of an edge requests a transfer of the
-//! encoder's count to memory, which the DMA makes some cycles later, whatever the processor does.
+//! Counts of the encoder that the DMA takes, whatever the processor does: at the shutter's edges, each
+//! of whose captures requests a transfer, and four times a millisecond while a frame is in flight.
 
-use core::sync::atomic::{AtomicU16, Ordering, fence};
+use core::sync::atomic::{AtomicU16, AtomicU32, Ordering, fence};
 
 use embassy_stm32::{
     Peri,
     pac::{
         self,
         dma::vals::{Dir, Pl, Size},
+        timer::regs::ArrCore,
     },
-    peripherals::{DMA1_CH0, DMA1_CH1, TIM2},
-    timer::{Ch3, Ch4, Dma},
+    peripherals::{DMA1_CH0, DMA1_CH1, DMA1_CH2, TIM2, TIM6},
+    rcc,
+    timer::{Ch3, Ch4, Dma, UpDma},
 };
-use fmc_camera::flight::event::ShutterEdge;
+use fmc_camera::flight::{drive::MAX_LATCHES, event::ShutterEdge};
+use heapless::Vec;
 
-/// Number of counts of one kind of edge that are kept, a power of two: more edges than that in one
-/// round could look like one.
+use super::clock;
+
+/// Number of counts of each stream that are kept, a power of two: more edges of one kind than that
+/// in a round could look like one.
 const PLACES: u16 = 16;
 
-/// Channels of the clock that capture the edges; each has the stream of its place.
+/// Streams of the DMA.
+const OPENED: usize = 0;
+const CLOSED: usize = 1;
+const BETWEEN: usize = 2;
+const STREAMS: usize = 3;
+
+/// Channels of the clock that capture the edges.
 const CHANNELS: [usize; 2] = [2, 3];
 
-/// Counts, by kind of edge, in memory that the DMA reaches and no cache holds.
+/// Time from one count to the next in a frame, µs.
+const INTERVAL_US: u16 = 250;
+
+/// The last counts by their number from the last on, with their ages beyond its own, µs; the oldest
+/// first.
+const AGES_US: [(u16, u16); MAX_LATCHES] = [
+    (4, 3 * INTERVAL_US),
+    (3, 2 * INTERVAL_US),
+    (2, INTERVAL_US),
+    (1, 0),
+];
+
+/// Time within which the DMA has taken a count, µs.
+const TAKEN_US: u16 = 2;
+
+/// Number of tries to read time and number of the last count together.
+const TRIES: usize = 4;
+
+/// Counts, by stream, in memory that the DMA reaches and no cache holds.
 #[unsafe(link_section = ".shared.LATCHES")]
-static COUNTS: [[AtomicU16; PLACES as usize]; 2] =
-    [const { [const { AtomicU16::new(0) }; PLACES as usize] }; 2];
+static COUNTS: [[AtomicU16; PLACES as usize]; STREAMS] =
+    [const { [const { AtomicU16::new(0) }; PLACES as usize] }; STREAMS];
+
+/// Time from which counts are taken in the frame.
+static STARTED_US: AtomicU32 = AtomicU32::new(0);
+
+/// The streams of the DMA.
+pub(super) struct LatchStreams {
+    pub(super) opened: Peri<'static, DMA1_CH0>,
+    pub(super) closed: Peri<'static, DMA1_CH1>,
+    pub(super) between: Peri<'static, DMA1_CH2>,
+}
 
 /// The transfers in operation.
 pub(super) struct Latches {
-    _streams: (Peri<'static, DMA1_CH0>, Peri<'static, DMA1_CH1>),
+    _streams: LatchStreams,
 }
 
 impl Latches {
-    /// Begins to latch, once encoder and captures run.
-    pub(super) fn start(opened: Peri<'static, DMA1_CH0>, closed: Peri<'static, DMA1_CH1>) -> Self {
+    /// Begins to latch at edges, once encoder and captures run.
+    pub(super) fn start(streams: LatchStreams, _timer: Peri<'static, TIM6>) -> Self {
         let requests = [
-            Dma::<TIM2, Ch3>::request(&*opened),
-            Dma::<TIM2, Ch4>::request(&*closed),
+            Dma::<TIM2, Ch3>::request(&*streams.opened),
+            Dma::<TIM2, Ch4>::request(&*streams.closed),
+            UpDma::<TIM6>::request(&*streams.between),
         ];
         for ((stream, request), counts) in (0..).zip(requests).zip(&COUNTS) {
             for count in counts {
                 count.store(0, Ordering::Relaxed);
             }
-            pac::DMAMUX1.ccr(stream).write(|w| w.set_dmareq_id(request));
-            let channel = pac::DMA1.st(stream);
-            channel.par().write_value(address(pac::TIM4.cnt().as_ptr()));
-            channel.m0ar().write_value(address(counts.as_ptr()));
-            channel.ndtr().write(|w| w.set_ndt(PLACES));
-            channel.cr().write(|w| {
-                w.set_dir(Dir::PERIPHERAL_TO_MEMORY);
-                w.set_psize(Size::BITS16);
-                w.set_msize(Size::BITS16);
-                w.set_minc(true);
-                w.set_circ(true);
-                w.set_pl(Pl::VERY_HIGH);
-                w.set_en(true);
-            });
+            start_stream(stream, request, counts);
         }
         critical_section::with(|_| {
             pac::TIM2.dier().modify(|w| {
@@ -64,10 +91,31 @@ impl Latches {
                 }
             });
         });
-        Self {
-            _streams: (opened, closed),
-        }
+        rcc::enable_and_reset::<TIM6>();
+        let timer = pac::TIM6;
+        timer.psc().write_value(clock::TIMER_MHZ - 1);
+        timer.arr().write_value(ArrCore(u32::from(INTERVAL_US) - 1));
+        timer.egr().write(|w| w.set_ug(true));
+        timer.dier().write(|w| w.set_ude(true));
+        Self { _streams: streams }
     }
+}
+
+fn start_stream(stream: usize, request: u8, counts: &[AtomicU16]) {
+    pac::DMAMUX1.ccr(stream).write(|w| w.set_dmareq_id(request));
+    let channel = pac::DMA1.st(stream);
+    channel.par().write_value(address(pac::TIM4.cnt().as_ptr()));
+    channel.m0ar().write_value(address(counts.as_ptr()));
+    channel.ndtr().write(|w| w.set_ndt(PLACES));
+    channel.cr().write(|w| {
+        w.set_dir(Dir::PERIPHERAL_TO_MEMORY);
+        w.set_psize(Size::BITS16);
+        w.set_msize(Size::BITS16);
+        w.set_minc(true);
+        w.set_circ(true);
+        w.set_pl(Pl::VERY_HIGH);
+        w.set_en(true);
+    });
 }
 
 /// Address of a register or of memory, as the DMA takes it.
@@ -75,28 +123,86 @@ fn address<T>(of: *const T) -> u32 {
     u32::from_le_bytes(of.addr().to_le_bytes())
 }
 
-/// The edges of one kind whose counts have been taken.
+/// Begins to take counts between the rounds, or ends it.
+pub(super) fn take_between(is_wanted: bool) {
+    let timer = pac::TIM6;
+    if is_wanted {
+        timer.cnt().write(|w| w.set_cnt(0));
+        STARTED_US.store(clock::now_us(), Ordering::Relaxed);
+    }
+    timer.cr1().write(|w| w.set_cen(is_wanted));
+}
+
+/// Number of counts that a stream has taken, modulo its places.
+fn made(stream: usize) -> u16 {
+    PLACES.wrapping_sub(pac::DMA1.st(stream).ndtr().read().ndt()) % PLACES
+}
+
+/// Returns the count that a stream has taken at a number.
+fn count(stream: usize, number: u16) -> Option<u16> {
+    let counts = COUNTS.get(stream)?;
+    let count = counts.get(usize::from(number % PLACES))?;
+    // What the DMA has written before its counter changed is read after that.
+    fence(Ordering::Acquire);
+    Some(count.load(Ordering::Relaxed))
+}
+
+/// The counts that have been looked at.
 #[derive(Default)]
 pub(super) struct Latched {
     taken: [u16; 2],
+    /// Number of the last count in a frame, and its age at the last look, µs.
+    between: Option<(u16, u16)>,
+    /// Time for which counts had been taken then, µs: older ones are of an earlier frame.
+    running_us: u16,
 }
 
 impl Latched {
     /// Returns the count at the last edge of this kind, if it is the only one since the last call.
     pub(super) fn take(&mut self, edge: ShutterEdge) -> Option<u16> {
         let stream = match edge {
-            ShutterEdge::Opened => 0,
-            ShutterEdge::Closed => 1,
+            ShutterEdge::Opened => OPENED,
+            ShutterEdge::Closed => CLOSED,
         };
-        let left = pac::DMA1.st(stream).ndtr().read().ndt();
-        // What the DMA has written before its counter changed is read after that.
-        fence(Ordering::Acquire);
-        let made = PLACES.wrapping_sub(left) % PLACES;
+        let made = made(stream);
         let taken = core::mem::replace(self.taken.get_mut(stream)?, made);
-        if made.wrapping_sub(taken) % PLACES != 1 {
-            return None;
+        (made.wrapping_sub(taken) % PLACES == 1)
+            .then(|| count(stream, taken))
+            .flatten()
+    }
+
+    /// Looks at which count is the last, and how old it is now.
+    pub(super) fn look(&mut self) {
+        self.between = None;
+        if !pac::TIM6.cr1().read().cen() {
+            return;
         }
-        let count = COUNTS.get(stream)?.get(usize::from(taken))?;
-        Some(count.load(Ordering::Relaxed))
+        let running_us = clock::now_us().wrapping_sub(STARTED_US.load(Ordering::Relaxed));
+        self.running_us = u16::try_from(running_us).unwrap_or(u16::MAX);
+        for _ in 0..TRIES {
+            let before = made(BETWEEN);
+            let age_us = pac::TIM6.cnt().read().cnt();
+            if age_us >= TAKEN_US && made(BETWEEN) == before {
+                self.between = Some((before, age_us));
+                return;
+            }
+        }
+    }
+
+    /// Returns the last counts with their ages at the last look, s; the oldest first.
+    pub(super) fn between(&self) -> Vec<(f32, u16), MAX_LATCHES> {
+        let mut counts = Vec::new();
+        let Some((made, age_us)) = self.between else {
+            return counts;
+        };
+        for (back, older_us) in AGES_US {
+            let age_us = age_us.saturating_add(older_us);
+            if age_us < self.running_us
+                && let Some(count) = count(BETWEEN, made.wrapping_sub(back))
+            {
+                let _ = counts.push((1e-6 * f32::from(age_us), count));
+            }
+        }
+        counts
     }
 }

@@ -20,6 +20,7 @@ use embassy_stm32::{
 use embedded_hal::pwm::{ErrorType, SetDutyCycle};
 use fmc_camera::flight::{
     drive::{
+        MAX_LATCHES,
         enabled_drive::EnabledDrive,
         pwm_encoder::{Pins, PwmEncoder},
         quadrature::{QuadratureCounter, WideCount},
@@ -27,6 +28,7 @@ use fmc_camera::flight::{
     event::ShutterEdge,
     input_settings::{Edge, InputSettings},
 };
+use heapless::Vec;
 
 use super::{
     force::{Enable, ForcePins},
@@ -193,7 +195,9 @@ pub(crate) struct Encoder {
 
 impl QuadratureCounter for Encoder {
     fn count(&mut self) -> i32 {
-        self.count.extend(pac::TIM4.cnt().read().cnt())
+        let count = self.count.extend(pac::TIM4.cnt().read().cnt());
+        self.latched.look();
+        count
     }
 
     fn take_index(&mut self) -> Option<i32> {
@@ -216,5 +220,13 @@ impl QuadratureCounter for Encoder {
     fn take_latched(&mut self, edge: ShutterEdge) -> Option<i32> {
         let latched = self.latched.take(edge)?;
         Some(self.count.near(latched))
+    }
+
+    fn take_latches(&mut self) -> Vec<(f32, i32), MAX_LATCHES> {
+        let mut counts = Vec::new();
+        for (age_s, latched) in self.latched.between() {
+            let _ = counts.push((age_s, self.count.near(latched)));
+        }
+        counts
     }
 }
