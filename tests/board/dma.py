@@ -22,6 +22,8 @@ class Streams:
 
     def __init__(self, write_memory):
         self.write_memory = write_memory
+        # Transfers for each request.
+        self.transfers = 1
         self.reset()
 
     def reset(self):
@@ -38,7 +40,11 @@ class Streams:
             self.lengths[stream] = value & 0xFFFF
 
     def serve(self, stream, read_register):
-        """Makes a transfer."""
+        """Makes the transfers of a request."""
+        for _ in range(self.transfers):
+            self._transfer(stream, read_register)
+
+    def _transfer(self, stream, read_register):
         of = {name: FIRST_STREAM + STREAM_BYTES * stream + name for name in (CR, NDTR, PAR, M0AR)}
         if self.registers.get(of[CR], 0) & MODE_MASK != MODE:
             return

@@ -47,6 +47,8 @@ pub(crate) struct Bench {
     pub(crate) is_read: bool,
     /// Counts that the encoder has added unseen, mm: the drive has moved the stage back by as much.
     pub(crate) added_mm: f32,
+    /// Place of a stage that shakes, mm beyond its set point.
+    pub(crate) shake_mm: Option<fn(Time) -> f32>,
     /// Set point in the last round, mm.
     set_mm: f32,
     /// `true` if the index mark is seen.
@@ -76,6 +78,7 @@ impl Bench {
             stage_follows: true,
             is_read: true,
             added_mm: 0.0,
+            shake_mm: None,
             set_mm: 0.0,
             index_is_seen: true,
             play_grown_mm: 0.0,
@@ -156,9 +159,10 @@ impl Bench {
         }
         self.cross_index();
         if self.is_read {
+            let shake_mm = self.shake_mm.map_or(0.0, |shake_mm| shake_mm(self.now));
             let reading = StageReading {
                 time: self.now,
-                offset_mm: self.place_mm(),
+                offset_mm: self.place_mm() + shake_mm,
             };
             self.send(Event::Stage(reading));
         }

@@ -16,6 +16,7 @@ mod document;
 mod findings;
 mod flyable;
 mod index_mark;
+mod latched;
 mod nominal;
 mod play;
 mod processor_faults;

@@ -148,3 +148,75 @@ fn stage_that_stands_has_no_speed() {
     let track = track_of(&[0.0, 0.005, 0.010, 0.010]);
     assert!(track.speed_at(0.010).unwrap().speed_mm_s.abs() <= 0.0);
 }
+
+/// A place that was latched between two readings.
+fn latched(us: u64) -> StagePlace {
+    StagePlace {
+        is_latched: true,
+        ..place(us)
+    }
+}
+
+fn times_us(track: &StageTrack) -> Vec<u64, CAPACITY> {
+    track.places.iter().map(|it| it.time.us()).collect()
+}
+
+#[test]
+fn latched_places_are_kept_in_order_of_time_each_once_and_none_before_the_first() {
+    let mut track = StageTrack::new();
+    track.latch(latched(100));
+    for tick in 1..4 {
+        track.push(place(1000 * tick));
+    }
+    for us in [2500, 3700, 2250, 999, 3000, 2500, 3500] {
+        track.latch(latched(us));
+    }
+    track.push(place(4000));
+    track.latch(latched(3900));
+    let expected = [1000, 2000, 2250, 2500, 3000, 3500, 3700, 3900, 4000];
+    assert_eq!(times_us(&track), expected);
+    let speed_mm_s = track.speed_at(0.1 + 20.0e-3 * 3.5).unwrap().speed_mm_s;
+    assert!((speed_mm_s - 20.0).abs() < 1e-2, "{speed_mm_s}");
+}
+
+#[test]
+fn latched_places_give_way_in_an_exposure_that_has_no_room_for_them() {
+    let mut track = StageTrack::new();
+    for tick in 0..20 {
+        track.push(place(1000 * tick));
+    }
+    let [opened, closed] = [19_300, 78_700].map(Time::from_us);
+    track.keep_from(opened);
+    for tick in 20..80 {
+        for quarter in 1..4 {
+            track.latch(latched(1000 * (tick - 1) + 250 * quarter));
+        }
+        track.push(place(1000 * tick));
+    }
+    let path = track.path(opened, closed);
+    assert!(path.is_covered && !path.is_continued);
+    assert!(path.longest_gap_s < 1.01e-3, "{}", path.longest_gap_s);
+    assert_eq!(times_us(&track).len(), 62);
+    // The next exposure takes them again.
+    track.keep_latest();
+    track.latch(latched(79_250));
+    assert!(times_us(&track).contains(&79_250));
+}
+
+#[test]
+fn bend_is_that_of_readings_however_near_a_latched_place_is() {
+    let mut track = StageTrack::new();
+    for tick in 0..8 {
+        track.push(place(1000 * tick));
+    }
+    // A step of the encoder, 10 µs after a reading and before another.
+    for us in [3010, 4990] {
+        track.latch(StagePlace {
+            offset_mm: place(us).offset_mm + 0.0001,
+            ..latched(us)
+        });
+    }
+    let path = track.path(Time::from_us(3010), Time::from_us(4990));
+    assert!(path.bend_mm < 1e-6, "{}", path.bend_mm);
+    assert_eq!(path.samples.first().map(|it| it.time_s), Some(0.0));
+}

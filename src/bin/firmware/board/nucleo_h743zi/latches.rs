@@ -58,6 +58,9 @@ static COUNTS: [[AtomicU16; PLACES as usize]; STREAMS] =
 /// Time from which counts are taken in the frame.
 static STARTED_US: AtomicU32 = AtomicU32::new(0);
 
+/// Number of the count that was the next then.
+static STARTED_AT: AtomicU16 = AtomicU16::new(0);
+
 /// The streams of the DMA.
 pub(super) struct LatchStreams {
     pub(super) opened: Peri<'static, DMA1_CH0>,
@@ -129,6 +132,7 @@ pub(super) fn take_between(is_wanted: bool) {
     if is_wanted {
         timer.cnt().write(|w| w.set_cnt(0));
         STARTED_US.store(clock::now_us(), Ordering::Relaxed);
+        STARTED_AT.store(made(BETWEEN), Ordering::Relaxed);
     }
     timer.cr1().write(|w| w.set_cen(is_wanted));
 }
@@ -171,21 +175,29 @@ impl Latched {
             .flatten()
     }
 
-    /// Looks at which count is the last, and how old it is now.
+    /// Looks at which count is the last, and how old it is now. Counts that are not as many as there
+    /// were intervals are not used.
     pub(super) fn look(&mut self) {
         self.between = None;
         if !pac::TIM6.cr1().read().cen() {
             return;
         }
-        let running_us = clock::now_us().wrapping_sub(STARTED_US.load(Ordering::Relaxed));
-        self.running_us = u16::try_from(running_us).unwrap_or(u16::MAX);
         for _ in 0..TRIES {
-            let before = made(BETWEEN);
+            let made = made(BETWEEN);
             let age_us = pac::TIM6.cnt().read().cnt();
-            if age_us >= TAKEN_US && made(BETWEEN) == before {
-                self.between = Some((before, age_us));
-                return;
+            let running_us = clock::now_us().wrapping_sub(STARTED_US.load(Ordering::Relaxed));
+            if age_us < TAKEN_US || self::made(BETWEEN) != made {
+                continue;
             }
+            let interval_us = u32::from(INTERVAL_US);
+            let until_last_us = running_us.saturating_sub(u32::from(age_us));
+            let [intervals, ..] = ((until_last_us + interval_us / 2) / interval_us).to_le_bytes();
+            let counted = made.wrapping_sub(STARTED_AT.load(Ordering::Relaxed));
+            if counted % PLACES == u16::from(intervals) % PLACES {
+                self.between = Some((made, age_us));
+                self.running_us = u16::try_from(running_us).unwrap_or(u16::MAX);
+            }
+            return;
         }
     }
 
