@@ -1,3 +1,4 @@
+mod drift;
 mod outages;
 
 use super::*;
