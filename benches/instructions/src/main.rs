@@ -37,6 +37,8 @@ mod receive_ring;
 #[cfg(target_os = "none")]
 mod sensors;
 #[cfg(target_os = "none")]
+mod signature;
+#[cfg(target_os = "none")]
 mod specimen;
 #[cfg(target_os = "none")]
 #[allow(dead_code, reason = "the guard is the firmware's")]
@@ -62,6 +64,7 @@ fn count() -> ! {
         flight::count(&mut counter)?;
         interrupts::count(&mut counter)?;
         aircraft::count(&mut counter)?;
+        signature::count(&mut counter)?;
         link::count(&mut counter)
     });
     exit(if counted.is_some() {
