@@ -131,15 +131,25 @@ fn take(
     actions: &Actions,
     outside: &mut RoundActions,
 ) {
-    let mut failed = None;
+    let (mut failed, mut is_refused) = (None, false);
     for action in actions {
         match *action {
+            Action::OpenShutter { exposure_s, .. }
+                if !controller.may_open(setup, now, exposure_s) =>
+            {
+                is_refused = true;
+            }
             Action::MoveStage(setpoint) => failed = drive.follow(now, setpoint).err(),
             Action::ReleaseStage => drive.release(),
             // There is room for all.
             other => {
                 let _ = outside.push(other);
             }
+        }
+    }
+    if is_refused {
+        for action in &controller.refuse_opening(setup, now) {
+            let _ = outside.push(*action);
         }
     }
     if let Some(fault) = failed {

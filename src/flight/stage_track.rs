@@ -251,6 +251,11 @@ impl StageTrack {
         self.places.back().copied()
     }
 
+    /// The readings, in order of time.
+    pub(crate) fn readings(&self) -> impl DoubleEndedIterator<Item = &StagePlace> {
+        self.places.iter().filter(|it| !it.is_latched)
+    }
+
     /// Returns the speed of the stage where it was at a place between the last two readings, and
     /// how uneven it was; `None` before the third.
     ///
@@ -258,8 +263,7 @@ impl StageTrack {
     /// The speed changes evenly: it has its mean between two readings in the middle of them.
     #[must_use]
     pub(crate) fn speed_at(&self, offset_mm: f32) -> Option<TrackSpeed> {
-        let readings = || self.places.iter().filter(|it| !it.is_latched);
-        let latest = || readings().rev().take(RECENT);
+        let latest = || self.readings().rev().take(RECENT);
         let mut speeds = latest().zip(latest().skip(1)).map(|(after, before)| {
             (after.offset_mm - before.offset_mm) / after.time.seconds_since(before.time)
         });
@@ -314,7 +318,7 @@ impl StageTrack {
             return path;
         };
         let [first, last] = [first, last].map(sample);
-        let readings = || self.places.iter().filter(|it| !it.is_latched).map(sample);
+        let readings = || self.readings().map(sample);
         let mut from_the_end = readings().rev();
         let first_two = (readings().next(), readings().nth(1));
         let last_two = (from_the_end.next(), from_the_end.next());

@@ -24,6 +24,7 @@ import test_force
 import test_memory
 import test_shake
 import test_shutter
+import test_skips
 import test_stack
 import test_start
 import test_store
@@ -35,7 +36,9 @@ CLASSES = (
     test_start.Start, test_memory.Memory, test_stack.Stack, test_edges.Edges,
     test_shutter.Shutter, test_clock.Clock, test_client.Client, test_vectors.Vectors,
     test_bring_up.BringUp,
-)  # fmt: skip
+)
+# Those that are run by their names alone.
+APART = (test_skips.Skips,)  # fmt: skip
 
 
 def main():
@@ -64,7 +67,7 @@ def run_apart(image, host_sim, name):
 
 def run(image, host_sim, names):
     """Runs tests by their names; returns an exit code, which is not 0 if there were none."""
-    for tests in CLASSES:
+    for tests in CLASSES + APART:
         tests.image, tests.host_sim = image, host_sim
     suite = unittest.defaultTestLoader.loadTestsFromNames(names)
     result = unittest.TextTestRunner(verbosity=2).run(suite)

@@ -87,6 +87,19 @@ impl Controller {
         }
     }
 
+    /// Returns `true` if the shutter may open for an exposure, s: a second look at the stage, which
+    /// shares nothing with the first.
+    pub(in super::super) fn may_open(&self, setup: &Setup, now: Time, exposure_s: f32) -> bool {
+        self.stage.moves_as_set(setup, now, exposure_s)
+    }
+
+    /// Ends the frame whose shutter has been told to open and must not.
+    pub(in super::super) fn refuse_opening(&mut self, setup: &Setup, now: Time) -> Actions {
+        let mut actions = Actions::new();
+        self.call_off(setup, now, Reason::NotAtSpeed, &mut actions);
+        actions
+    }
+
     /// Carries out the action that is due for the frame in flight.
     pub(super) fn look_after_frame(&mut self, setup: &Setup, now: Time, actions: &mut Actions) {
         match self.frame.look(now, setup, &self.stage) {

@@ -2,6 +2,7 @@
 
 mod exposure_motion;
 mod motion;
+mod second_look;
 
 pub(super) use self::exposure_motion::ExposureMotion;
 use self::motion::Motion;

@@ -1,0 +1,105 @@
+//! Second look at the speed of the stage, before the shutter is told to open.
+
+use super::StageMachine;
+use crate::flight::controller::setup::Setup;
+use crate::flight::controller::timing::LATE_TICK_S;
+use crate::flight::slope::VALUES;
+use crate::flight::time::Time;
+
+/// Change of the following error by which the second look is wider than the first: it takes two
+/// readings where the first takes four, and must not refuse what that has allowed.
+const WIDER: f32 = 2.0;
+
+/// Longest time since the first of its readings, s: their times may be wrong, too.
+#[expect(clippy::cast_precision_loss, reason = "a few readings")]
+const LONGEST_S: f32 = VALUES as f32 * LATE_TICK_S;
+
+impl StageMachine {
+    /// Returns `true` if the stage has moved as its set point since the reading [`VALUES`] - 1
+    /// before the last, as far as an exposure, s, allows.
+    ///
+    /// It says what [`Self::is_steady`] says, from places that are kept elsewhere and by another
+    /// way: a processor that leaves out an instruction of either does not open the shutter over a
+    /// stage that is not at speed.
+    #[inline(never)]
+    pub(in super::super) fn moves_as_set(&self, setup: &Setup, now: Time, exposure_s: f32) -> bool {
+        if !setup.camera.has_stage() || self.is_place_lost {
+            return true;
+        }
+        let mut readings = self.track.readings();
+        let (Some(last), Some(before)) = (readings.next_back(), readings.nth_back(VALUES - 2))
+        else {
+            return false;
+        };
+        let (Some(set), Some(set_before)) = (self.setpoint(last.time), self.setpoint(before.time))
+        else {
+            return false;
+        };
+        let set_mm = set.offset_mm - set_before.offset_mm;
+        let off_mm = libm::fabsf(last.offset_mm - before.offset_mm - set_mm);
+        let travel_mm = set.speed_mm_s * exposure_s;
+        let allowed_mm = WIDER * setup.allowed_change_mm(travel_mm, exposure_s);
+        let [old_s, elapsed_s] = [now, last.time].map(|time| time.seconds_since(before.time));
+        0.0 < elapsed_s
+            && elapsed_s <= old_s
+            && old_s <= LONGEST_S
+            && off_mm * exposure_s <= allowed_mm * elapsed_s
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::flight::controller::Start;
+    use crate::flight::prepared_camera::PreparedCamera;
+    use crate::flight::settings::FlightSettings;
+    use crate::flight::stage_track::StagePlace;
+    use crate::{CalibrationParameters, Camera, CameraParameters};
+
+    const EXPOSURE_S: f32 = 0.004;
+
+    /// Returns what the second look says, 20 ms after the stage has begun a way of 1 mm, of readings
+    /// whose time after their beginning is made of the true one, s, and whose move of that of the
+    /// set point, mm.
+    fn look(time_s: impl Fn(f32) -> f32, moved: impl Fn(f32) -> f32) -> bool {
+        let parameters = CalibrationParameters::new(100.0, [9216, 9216], 8.75);
+        let camera = Camera::new(CameraParameters::new(parameters)).unwrap();
+        let settings = FlightSettings::default();
+        let mut prepared = PreparedCamera::new(camera, &settings, Start::Orderly).unwrap();
+        let (setup, controller) = prepared.flown();
+        let (stage, began) = (&mut controller.stage, Time::from_us(1_000_000));
+        assert!(stage.go_to(&setup, began, 1.0));
+        let first = began.plus_s(0.02);
+        let first_mm = stage.setpoint(first).unwrap().offset_mm;
+        for round in 0..VALUES {
+            let true_s = 1e-3 * f32::from(u8::try_from(round).unwrap());
+            let set_mm = stage.setpoint(first.plus_s(true_s)).unwrap().offset_mm;
+            stage.track.push(StagePlace {
+                time: first.plus_s(time_s(true_s)),
+                offset_mm: first_mm + moved(set_mm - first_mm),
+                play_sigma_mm: 0.0,
+                is_latched: false,
+            });
+        }
+        let now = first.plus_s(1e-3 * f32::from(u8::try_from(VALUES - 1).unwrap()));
+        stage.moves_as_set(&setup, now, EXPOSURE_S)
+    }
+
+    #[test]
+    fn stage_that_moves_as_set_passes_and_one_that_is_slow_or_fast_or_stands_does_not() {
+        assert!(look(|s| s, |mm| mm));
+        for part in [0.0, 0.6, 1.4, -1.0, f32::NAN] {
+            assert!(!look(|s| s, |mm| part * mm), "{part}");
+        }
+    }
+
+    #[test]
+    fn readings_whose_times_are_wrong_do_not_pass() {
+        for factor in [1e3, 3.0, 1.5, 0.3] {
+            assert!(!look(|s| factor * s, |mm| mm), "{factor}");
+        }
+        // Readings of 20 ms ago.
+        assert!(!look(|s| s - 0.02, |mm| mm));
+        assert!(!look(|_| 0.0, |mm| mm));
+    }
+}
