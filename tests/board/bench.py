@@ -181,6 +181,8 @@ class Bench:
     def _light(self, time, is_light):
         if is_light:
             self.light_since = time
+            self._advance(time)
+            self.light_speed_mm_s = self.stage.speed_mm_s
             self.chip.edge("PB10", time)
         elif self.light_since is not None:
             since, self.light_since = self.light_since, None
@@ -189,6 +191,7 @@ class Bench:
             start_s, end_s = self.seconds(since), self.seconds(time)
             self.frames.append({
                 "opened_s": start_s,
+                "speed_mm_s": self.light_speed_mm_s,
                 "closed_s": end_s,
                 "mean_mm": self.stage.mean_mm(start_s, end_s) + self.shake.mean_mm(start_s, end_s),
                 "travel_mm": self._place_mm(end_s) - self._place_mm(start_s),

@@ -3,8 +3,8 @@
 Usage: run.py IMAGE HOST_SIM [TEST...]
 
 The image is the one that is flashed, unchanged. TEST is a name as `test_flight` or
-`test_force.Force.test_lock_up_leaves_it_until_the_watchdog`; without one all are run, as many files
-at a time as there are processors.
+`test_force.Force.test_lock_up_leaves_it_until_the_watchdog`; without one all are run but the skips.
+Several are run as many at a time as there are processors.
 """
 
 import concurrent.futures
@@ -24,7 +24,8 @@ import test_force
 import test_memory
 import test_shake
 import test_shutter
-import test_skips
+import test_skips_shutter
+import test_skips_signature
 import test_stack
 import test_start
 import test_store
@@ -37,16 +38,16 @@ CLASSES = (
     test_shutter.Shutter, test_clock.Clock, test_client.Client, test_vectors.Vectors,
     test_bring_up.BringUp,
 )
-# Those that are run by their names alone.
-APART = (test_skips.Skips,)  # fmt: skip
+# Those that are run by their names alone: they take minutes.
+APART = (test_skips_shutter.ShutterSkips, test_skips_signature.SignatureSkips)  # fmt: skip
 
 
 def main():
     image, host_sim, *names = sys.argv[1:]
-    if names:
+    if len(names) == 1:
         sys.exit(run(image, host_sim, names))
     begun = time.monotonic()
-    files = [tests.__module__ for tests in CLASSES]
+    files = names or [tests.__module__ for tests in CLASSES]
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
         results = list(pool.map(lambda name: run_apart(image, host_sim, name), files))
     failed = [name for name, (code, _) in zip(files, results) if code]

@@ -76,6 +76,10 @@ pub(crate) enum Step {
     Board,
     /// Fly the image for the board on a model of its chip, under `host-sim`
     BoardFlight,
+    /// Leave out instructions of that image, one at a time, from the look at the stage's speed to the
+    /// shutter's command and while a signature is checked: an eighth of them, or every one with
+    /// `FMC_SKIPS=all`
+    Skips,
     /// Build the library for C, and run its programs on this PC and in QEMU
     C,
     /// Build the page with the camera's code as WebAssembly, and drive it in a browser
@@ -116,9 +120,11 @@ impl Step {
             Self::TargetLints | Self::FirmwareLints | Self::Board => {
                 &[Need::Compiler, Need::Clippy]
             }
-            Self::TargetBuild | Self::NoPanic | Self::FirmwareNoPanic | Self::BoardFlight => {
-                &[Need::Compiler]
-            }
+            Self::TargetBuild
+            | Self::NoPanic
+            | Self::FirmwareNoPanic
+            | Self::BoardFlight
+            | Self::Skips => &[Need::Compiler],
             Self::Firmware | Self::C | Self::Costs => &[Need::Compiler, Need::Qemu],
         }
     }
@@ -225,7 +231,11 @@ fn run_step(step: Step, workspace: &Workspace, equipment: &Equipment<'_>) -> Res
         }
         Step::Board => return board::check(workspace, target()?),
         Step::BoardFlight => {
-            return board_flight::check(workspace, target()?, equipment.toolbox());
+            return board_flight::check(workspace, target()?, equipment.toolbox(), &[]);
+        }
+        Step::Skips => {
+            let tests = &board_flight::SKIPS;
+            return board_flight::check(workspace, target()?, equipment.toolbox(), tests);
         }
         Step::C => {
             let target = target()?;

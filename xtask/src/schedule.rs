@@ -50,6 +50,7 @@ const LANES: [&[Step]; 2] = [
         Step::C,
         Step::Firmware,
         Step::BoardFlight,
+        Step::Skips,
         Step::Costs,
         Step::Campaign,
     ],

@@ -202,6 +202,8 @@ impl<F: NorFlash, V: SignatureVerifier> CalibrationStore<F, V> {
         let head = head::of(&camera, &upload, &signed, memory, files)?;
         let body = Body::new(&head, files).ok_or(NotStored::TooLong)?;
         let commit = body.commit(sequence).ok_or(NotStored::TooLong)?;
+        // Once more: a processor that leaves out an instruction stores nothing that is not signed.
+        self.authenticated(parameters, &upload, order, memory)?;
         // From here on nothing is refused, and the flash is written.
         if let (Ok(found), Some(last)) = (found, last_seal) {
             // The seal that was seen may have been cut itself, and be blank when it is read again.
