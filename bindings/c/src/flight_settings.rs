@@ -1,6 +1,8 @@
 //! Settings of a flight, as C fills them.
 
+use fmc::flight::drive::kind::DriveKind;
 use fmc::flight::drive::loop_settings::LoopSettings;
+use fmc::flight::drive::position_command_settings::PositionCommandSettings;
 use fmc::flight::drive::settings::{DriveSettings, EncoderSide};
 use fmc::flight::input_settings::InputSettings;
 use fmc::flight::settings::FlightSettings;
@@ -95,6 +97,11 @@ pub struct fmc_drive_settings {
     pub index_mm: f32,
     /// σ of a crossing, µm.
     pub index_sigma_um: f32,
+    /// `FMC_YES` if the sensor shows the place of the stage at any time, as an LVDT does: no place
+    /// is lost, and play, index mark and friction do not count.
+    pub has_absolute_sensor: fmc_code,
+    /// σ of one reading of an absolute sensor, µm.
+    pub sensor_noise_um: f32,
 }
 
 /// Settings of a flight, as `fmc_flight_settings_defaults` begins them. Their ranges stand in
@@ -237,6 +244,8 @@ impl From<&DriveSettings> for fmc_drive_settings {
             has_index: drive.index_mm.map_or(FMC_NO, |_| crate::FMC_YES),
             index_mm: drive.index_mm.unwrap_or(0.0),
             index_sigma_um: drive.index_sigma_um,
+            has_absolute_sensor: code::code_of_bool(drive.is_absolute()),
+            sensor_noise_um: drive.position_command.sensor_noise_um,
         }
     }
 }
@@ -268,6 +277,16 @@ impl fmc_drive_settings {
             },
             index_mm: code::bool_of(self.has_index)?.then_some(self.index_mm),
             index_sigma_um: self.index_sigma_um,
+            kind: if code::bool_of(self.has_absolute_sensor)? {
+                DriveKind::PositionCommand
+            } else {
+                DriveKind::Motor
+            },
+            // The caller of a library has a drive of its own.
+            position_command: PositionCommandSettings {
+                sensor_noise_um: self.sensor_noise_um,
+                ..PositionCommandSettings::UNUSED
+            },
         })
     }
 }

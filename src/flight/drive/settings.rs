@@ -1,7 +1,12 @@
 //! Settings of a motor with an encoder.
 
+use super::kind::DriveKind;
 use super::loop_settings::LoopSettings;
+use super::position_command_settings::PositionCommandSettings;
 use crate::geometry::range::{OutOfRange, Quantity};
+
+/// Step whose rounding has the σ 1: √12.
+const NOISE_STEPS: f32 = 3.464_101_6;
 
 /// Part of the mechanism on which the encoder sits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -44,6 +49,10 @@ pub struct DriveSettings {
     pub index_mm: Option<f32>,
     /// σ by which crossings of the mark differ from each other, µm.
     pub index_sigma_um: f32,
+    /// Kind of the drive that these settings are for.
+    pub kind: DriveKind,
+    /// Command and sensor of [`DriveKind::PositionCommand`].
+    pub position_command: PositionCommandSettings,
 }
 
 impl Default for DriveSettings {
@@ -60,11 +69,20 @@ impl Default for DriveSettings {
             velocity_loop: LoopSettings::default(),
             index_mm: None,
             index_sigma_um: 0.02,
+            kind: DriveKind::Motor,
+            position_command: PositionCommandSettings::default(),
         }
     }
 }
 
 impl DriveSettings {
+    /// Returns `true` if the sensor shows the place of the stage at any time, whatever has happened
+    /// before: nothing is counted, so that no place can be lost, and no index mark is needed.
+    #[must_use]
+    pub const fn is_absolute(&self) -> bool {
+        matches!(self.kind, DriveKind::PositionCommand)
+    }
+
     /// Returns the play in which an encoder on the stage stands still while the screw moves, mm.
     pub(crate) fn seen_play_mm(&self) -> f32 {
         match self.encoder_side {
@@ -78,6 +96,16 @@ impl DriveSettings {
         1e-3 * self.encoder_step_um
     }
 
+    /// Returns the coarseness of a reading, µm: a step of the encoder, and with an absolute sensor
+    /// one that is as uncertain as its noise.
+    pub(crate) fn coarseness_um(&self) -> f32 {
+        if self.is_absolute() {
+            self.encoder_step_um + NOISE_STEPS * self.position_command.sensor_noise_um
+        } else {
+            self.encoder_step_um
+        }
+    }
+
     /// Returns the play that the encoder does not see, mm.
     pub(crate) fn unseen_play_mm(&self) -> f32 {
         match self.encoder_side {
@@ -86,7 +114,8 @@ impl DriveSettings {
         }
     }
 
-    /// Returns the settings, if each is in its range.
+    /// Returns the settings, if each is in its range. Those of a position command have no play,
+    /// index mark and friction, whatever was set.
     ///
     /// # Errors
     /// [`OutOfRange`] naming the field.
@@ -101,6 +130,25 @@ impl DriveSettings {
             Quantity::IndexMm.check(index_mm)?;
         }
         Quantity::IndexSigmaUm.check(self.index_sigma_um)?;
-        Ok(self)
+        self.position_command.checked()?;
+        Ok(match self.kind {
+            DriveKind::Motor => self,
+            DriveKind::PositionCommand => self.without_motor(),
+        })
+    }
+
+    /// Returns the settings with nothing that only a motor and its screw have: play, index mark and
+    /// friction.
+    fn without_motor(self) -> Self {
+        Self {
+            encoder_side: EncoderSide::Stage,
+            play_um: 0.0,
+            index_mm: None,
+            velocity_loop: LoopSettings {
+                friction_feed: 0.0,
+                ..self.velocity_loop
+            },
+            ..self
+        }
     }
 }

@@ -12,6 +12,8 @@ use fmc_camera::flight::{
         enabled_drive::EnabledDrive,
         flown_drive::FlownDrive,
         loop_settings::{LoopSettings, Plant},
+        position_command::PositionCommand,
+        position_command_settings::PositionCommandSettings,
         pwm_encoder::PwmEncoder,
         quadrature::{QuadratureCounter, QuadratureDecoder, WideCount},
         rig::RigDrive,
@@ -54,6 +56,7 @@ type Deck = FlownDeck<RigDrive>;
 type Decoder = QuadratureDecoder<Pin, Pin>;
 type Motor = PwmEncoder<Pin, Pin, Decoder>;
 type Enabled = EnabledDrive<Motor, Pin>;
+type Position = PositionCommand<Pin, Pin>;
 type Stamps = Ring<u32, 8>;
 type Stepper = StepDir<Pin, Pin, Pin, Pin>;
 
@@ -311,6 +314,20 @@ pub(crate) fn keep() {
         Enabled::release,
         Enabled::set_settings,
         Enabled::set_reference,
+        PositionCommandSettings::checked,
+        Position::new,
+        Position::unprepared,
+        Position::is_powered,
+        Position::output_mut,
+        Position::sensor_mut,
+        Position::position,
+        Position::follow,
+        Position::release,
+        Position::is_of,
+        Position::set_settings,
+        Position::push,
+        Position::asked_duty,
+        Position::set_reference,
         WideCount::new,
         WideCount::extend,
         WideCount::near,

@@ -1,5 +1,6 @@
 //! Hardware of a scenario, and what the camera's settings say of it.
 
+use fmc_camera::flight::drive::kind::DriveKind;
 use fmc_camera::flight::drive::settings::EncoderSide;
 use fmc_camera::flight::exposure::FlightDirection;
 use fmc_camera::flight::settings::FlightSettings;
@@ -67,6 +68,7 @@ pub(super) fn agree(
     if !text.has(&["mechanics", "backlash_um"]) {
         written.mechanics.backlash_um = decimal(settings.drive.play_um);
     }
+    agree_on_kind(written, &settings, file, text)?;
     agree_on_index(written, &settings, file, text)?;
     let velocity_loop = &settings.drive.velocity_loop;
     let stated = [
@@ -118,6 +120,32 @@ pub(super) fn agree(
         }
     }
     Ok(settings)
+}
+
+/// Refuses settings for another kind of drive than the scenario's. How far a command leads, the
+/// scenario may have otherwise than the settings: they do not know it better.
+fn agree_on_kind(
+    written: &MissionFile,
+    settings: &FlightSettings,
+    file: &FlightSettingsFile,
+    text: &TomlText,
+) -> Result<(), InputError> {
+    let kind = settings.drive.kind;
+    let has_stage = written.mechanics.position_stage.is_some();
+    if has_stage == (kind == DriveKind::PositionCommand) {
+        return Ok(());
+    }
+    let what = format!("drive.kind = \"{kind:?}\"");
+    if has_stage {
+        return Err(contradicts(
+            text,
+            &["mechanics", "position_stage"],
+            &what,
+            file,
+        ));
+    }
+    let missing = format!("lacks position_stage, for {what} of {}", file.name);
+    Err(text.invalid(&["mechanics"], &missing))
 }
 
 /// Gives the scenario the index mark of the settings, where it does not describe its own.

@@ -1,6 +1,8 @@
 //! Settings of the camera for the aircraft, the shutter and the stage.
 
+use fmc_camera::flight::drive::kind::DriveKind;
 use fmc_camera::flight::drive::loop_settings::{LoopSettings, Plant};
+use fmc_camera::flight::drive::position_command_settings::PositionCommandSettings;
 use fmc_camera::flight::drive::settings::{DriveSettings, EncoderSide};
 use fmc_camera::flight::exposure::FlightDirection;
 use fmc_camera::flight::settings::FlightSettings;
@@ -48,6 +50,11 @@ pub fn flight_settings(written: &MissionFile, interval_s: f64) -> FlightSettings
             index_mm: (written.mechanics.has_index && written.mechanics.stepper.is_none())
                 .then(|| single(written.mechanics.index_mm)),
             index_sigma_um: single(written.mechanics.index_noise_um),
+            kind: match written.mechanics.position_stage {
+                Some(_) => DriveKind::PositionCommand,
+                None => DriveKind::Motor,
+            },
+            position_command: position_command(&written.mechanics),
             ..DriveSettings::default()
         },
         ..FlightSettings::default()
@@ -72,6 +79,32 @@ fn velocity_loop(mechanics: &MechanicsSettings) -> LoopSettings {
             damping_n_s_m: single(mechanics.back_emf_n_s_m + mechanics.viscous_n_s_m),
             friction_n: single(mechanics.coulomb_n),
         })
+    }
+}
+
+/// Returns what an engineer knows of a stage that follows a position command: not by how much its
+/// travel is wrong, nor its hysteresis and creep. Its sensor reads 10 % beyond the end stops.
+fn position_command(mechanics: &MechanicsSettings) -> PositionCommandSettings {
+    let Some(stage) = &mechanics.position_stage else {
+        return PositionCommandSettings::default();
+    };
+    let [least, most] = mechanics
+        .end_stops_mm
+        .map(|stop_mm| single(1100.0 * stop_mm / mechanics.encoder_step_um));
+    PositionCommandSettings {
+        command_travel_um: single(stage.travel_um),
+        lag_s: single(stage.lag_s()),
+        acceleration_lag_s2: single(stage.acceleration_lag_s2()),
+        sensor_least_counts: least,
+        sensor_most_counts: most,
+        sensor_noise_um: single(stage.sensor_noise_um),
+        sensor_frozen_s: if stage.sensor_noise_um < mechanics.encoder_step_um {
+            0.0
+        } else {
+            PositionCommandSettings::default().sensor_frozen_s
+        },
+        max_correction_um: single(0.2 * stage.travel_um),
+        ..PositionCommandSettings::default()
     }
 }
 
