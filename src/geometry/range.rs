@@ -166,6 +166,7 @@ quantities! {
     SensorMostCounts = "sensor_most_counts", -8e6, 8e6;
     SensorNoiseUm = "sensor_noise_um", 0.0, 100.0;
     SensorFrozenS = "sensor_frozen_s", 0.0, 10.0;
+    FollowingSigmaUm = "following_sigma_um", 0.0, 1000.0;
 }
 
 impl Quantity {

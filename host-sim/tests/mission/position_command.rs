@@ -41,7 +41,7 @@ fn hysteresis_creep_and_wrong_travel_leave_errors_as_sigma_says() {
 
 #[test]
 fn without_its_correction_the_stage_falls_behind_its_set_point() {
-    // What the correction takes out in the test above is there.
+    // The correction has something to take out in the test above.
     let scenario = scenario(3);
     let mut settings = scenario.flight_settings();
     settings.drive.position_command.correction_rate_per_s = 0.0;
@@ -93,18 +93,21 @@ fn sensor_that_sticks_or_saturates_is_a_fault_and_no_record_is_wrong_without_a_w
             assert!(named.contains(&first), "{fault:?} at {from_s}: {first}");
             let has_named = flown.announced.iter().any(|(_, it)| *it == Fault::Encoder);
             assert!(has_named, "{fault:?} at {from_s}: {:?}", flown.announced);
-            let mut judged = 0;
+            let (mut judged, mut told) = (0, 0);
             for (frame, verdict) in flown.frames.iter().zip(&judgement.verdicts) {
                 let Some(verdict) = verdict else { continue };
                 let stated = verdict.principal_point_mm;
                 judged += 1;
+                // The exposure in which a sensor sticks is that of a stage that stands.
+                let is_told = frame.record.faults.contains(Fault::Stall);
                 assert!(
-                    stated.ratio().abs() < 5.0,
+                    stated.ratio().abs() < 5.0 || is_told,
                     "{fault:?} at {from_s}: {stated:?}, {:?}",
                     frame.record
                 );
+                told += u32::from(is_told);
             }
-            assert!(judged > 4, "{judged}");
+            assert!(judged > 4 && told <= 1, "{judged}, {told}");
         }
     }
 }

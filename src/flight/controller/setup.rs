@@ -181,6 +181,7 @@ pub(in crate::flight) fn checked(
     check_encoder(camera, &settings)?;
     check_index(camera, &settings)?;
     check_reach(camera, &settings)?;
+    check_step_rate(camera, &settings)?;
     check_interval(camera, &settings)?;
     Ok(settings)
 }
@@ -225,6 +226,20 @@ fn check_reach(camera: &Camera, settings: &FlightSettings) -> Result<(), Control
         .position_command
         .check_reach(half_stroke_um, drive.encoder_step_um);
     checked.map_err(ControllerError::Settings)
+}
+
+/// Checks that a stepper makes the largest speed of the stage, which has to be stated: steps that
+/// come too late are a stall.
+fn check_step_rate(camera: &Camera, settings: &FlightSettings) -> Result<(), ControllerError> {
+    let drive = &settings.drive;
+    if !camera.has_stage() || !drive.is_stepped() {
+        return Ok(());
+    }
+    let fastest_mm_s = drive.stepper.max_step_rate_hz / drive.stepper.steps_per_mm;
+    let (least_mm_s, _) = Quantity::MaxSpeedMmS.range();
+    let most_mm_s = camera.stage().max_speed_mm_s();
+    let checked = Quantity::MaxSpeedMmS.check_within(most_mm_s, least_mm_s, fastest_mm_s);
+    checked.map(|_| ()).map_err(ControllerError::Settings)
 }
 
 /// Checks that the mechanism is back before the next trigger, at the largest V/H of the camera's

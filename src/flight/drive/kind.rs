@@ -16,6 +16,9 @@ pub enum DriveKind {
     /// ([`PositionCommand`](super::position_command::PositionCommand)): a piezo with strain gauges
     /// or a capacitive sensor, a voice coil with an LVDT.
     PositionCommand,
+    /// A stepper, whose steps are counted where they are made: nothing measures if the stage makes
+    /// them ([`StepDir`](super::step_dir::StepDir)).
+    Stepper,
 }
 
 impl DriveKind {
@@ -25,6 +28,7 @@ impl DriveKind {
         match self {
             Self::Motor => "a motor with an incremental encoder",
             Self::PositionCommand => "a position command with an absolute sensor",
+            Self::Stepper => "a stepper",
         }
     }
 }

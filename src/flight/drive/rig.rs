@@ -2,7 +2,7 @@
 
 use core::convert::Infallible;
 
-use embedded_hal::digital::{ErrorType, OutputPin};
+use embedded_hal::digital::{ErrorType, InputPin, OutputPin};
 use embedded_hal::pwm::{self, SetDutyCycle};
 
 use super::flown_drive::FlownDrive;
@@ -11,7 +11,9 @@ use super::position_command::{CommandOutput, PositionCommand, PositionSensor, Se
 use super::pwm_encoder::{Pins, PwmEncoder};
 use super::quadrature::QuadratureCounter;
 use super::settings::DriveSettings;
+use super::step_dir::{StepDir, StepPins};
 use super::{FmcDrive, StageReading};
+use crate::flight::controller::timing::TICK_S;
 use crate::flight::fault::Fault;
 use crate::flight::stage::Setpoint;
 use crate::flight::time::Time;
@@ -112,15 +114,64 @@ impl PositionSensor for Place {
     }
 }
 
+/// Limit switch that is never closed: a rig tells of closed ones by events.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+struct Open;
+
+impl ErrorType for Open {
+    type Error = Infallible;
+}
+
+impl InputPin for Open {
+    fn is_high(&mut self) -> Result<bool, Infallible> {
+        Ok(true)
+    }
+
+    fn is_low(&mut self) -> Result<bool, Infallible> {
+        Ok(false)
+    }
+}
+
+/// A stepper whose timer's pulses of a round come all at once, after its set point.
+#[derive(Debug, Clone)]
+struct Steps {
+    drive: StepDir<Level, Level, Open, Open>,
+    pulses: u16,
+    /// Steps of the last round.
+    made: i16,
+    is_powered: bool,
+}
+
+impl Steps {
+    fn follow(&mut self, now: Time, setpoint: Setpoint) -> Result<(), Fault> {
+        self.drive.follow(now, setpoint)?;
+        let before = self.drive.steps();
+        for _ in 0..self.pulses {
+            self.drive.pulse();
+        }
+        let made = self.drive.steps().wrapping_sub(before);
+        self.made = i16::try_from(made).unwrap_or(i16::MAX);
+        self.is_powered = true;
+        Ok(())
+    }
+
+    fn release(&mut self) {
+        self.drive.release();
+        self.made = 0;
+        self.is_powered = false;
+    }
+}
+
 /// The drive of a mechanism.
 #[derive(Debug, Clone)]
 enum Kind {
     Motor(PwmEncoder<Width, Level, Count>),
     Position(PositionCommand<Word, Place>),
+    Steps(Steps),
 }
 
-/// [`PwmEncoder`] or [`PositionCommand`] without hardware, as the settings say: the count comes in
-/// as a number, and duty or command goes out as one.
+/// [`PwmEncoder`], [`PositionCommand`] or [`StepDir`] without hardware, as the settings say: the
+/// count comes in as a number, and duty, command or steps go out as one.
 #[derive(Debug, Clone)]
 pub struct RigDrive {
     kind: Kind,
@@ -146,6 +197,21 @@ impl RigDrive {
                 Word::default(),
                 Place::default(),
             )?),
+            DriveKind::Stepper => {
+                let pins = StepPins {
+                    step: Level::default(),
+                    direction: Level::default(),
+                    low: Open,
+                    high: Open,
+                };
+                let stepper = settings.checked()?.stepper;
+                Kind::Steps(Steps {
+                    drive: StepDir::new(stepper, pins)?,
+                    pulses: pulses_of_round(stepper.pulse_rate_hz),
+                    made: 0,
+                    is_powered: false,
+                })
+            }
         };
         Ok(Self { kind })
     }
@@ -155,6 +221,7 @@ impl RigDrive {
         match &mut self.kind {
             Kind::Motor(drive) => drive.pins_mut().counter.count = count,
             Kind::Position(drive) => drive.sensor_mut().0 = count,
+            Kind::Steps(_) => {}
         }
     }
 
@@ -168,13 +235,16 @@ impl RigDrive {
     /// Sets the present position of the stage, in counts of the encoder along the FMC axis from the
     /// calibrated position; that of an absolute sensor is a setting, and stays.
     pub fn set_position(&mut self, counts: i32) {
-        if let Kind::Motor(drive) = &mut self.kind {
-            drive.set_position(counts);
+        match &mut self.kind {
+            Kind::Motor(drive) => drive.set_position(counts),
+            Kind::Position(_) => {}
+            Kind::Steps(steps) => steps.drive.set_reference(),
         }
     }
 
     /// The duty at the bridge, -1 to 1, in the sense of its direction pin: low is positive; or the
-    /// position command at the amplifier, -1 to 1.
+    /// position command at the amplifier, -1 to 1; or the steps of this round along the FMC axis,
+    /// in parts of the timer's pulses.
     #[must_use]
     pub fn duty(&self) -> f32 {
         match &self.kind {
@@ -184,6 +254,7 @@ impl RigDrive {
                 if pins.direction.0 { -duty } else { duty }
             }
             Kind::Position(drive) => 2.0 * f32::from(drive.output().0) / f32::from(u16::MAX) - 1.0,
+            Kind::Steps(steps) => f32::from(steps.made) / f32::from(steps.pulses),
         }
     }
 
@@ -193,6 +264,7 @@ impl RigDrive {
         match &self.kind {
             Kind::Motor(drive) => drive.is_powered(),
             Kind::Position(drive) => drive.is_powered(),
+            Kind::Steps(steps) => steps.is_powered,
         }
     }
 }
@@ -202,6 +274,7 @@ impl FmcDrive for RigDrive {
         match &mut self.kind {
             Kind::Motor(drive) => drive.position(now),
             Kind::Position(drive) => drive.position(now),
+            Kind::Steps(steps) => steps.drive.position(now),
         }
     }
 
@@ -209,6 +282,7 @@ impl FmcDrive for RigDrive {
         match &mut self.kind {
             Kind::Motor(drive) => drive.take_index(),
             Kind::Position(drive) => drive.take_index(),
+            Kind::Steps(steps) => steps.drive.take_index(),
         }
     }
 
@@ -216,6 +290,7 @@ impl FmcDrive for RigDrive {
         match &mut self.kind {
             Kind::Motor(drive) => drive.follow(now, setpoint),
             Kind::Position(drive) => drive.follow(now, setpoint),
+            Kind::Steps(steps) => steps.follow(now, setpoint),
         }
     }
 
@@ -223,6 +298,7 @@ impl FmcDrive for RigDrive {
         match &mut self.kind {
             Kind::Motor(drive) => drive.release(),
             Kind::Position(drive) => drive.release(),
+            Kind::Steps(steps) => steps.release(),
         }
     }
 }
@@ -232,6 +308,7 @@ impl FlownDrive for RigDrive {
         match &self.kind {
             Kind::Motor(drive) => drive.is_of(kind),
             Kind::Position(drive) => drive.is_of(kind),
+            Kind::Steps(steps) => steps.drive.is_of(kind),
         }
     }
 
@@ -239,6 +316,7 @@ impl FlownDrive for RigDrive {
         match &mut self.kind {
             Kind::Motor(drive) => drive.set_settings(settings),
             Kind::Position(drive) => FlownDrive::set_settings(drive, settings),
+            Kind::Steps(steps) => steps.drive.set_settings(settings),
         }
     }
 
@@ -246,6 +324,7 @@ impl FlownDrive for RigDrive {
         match &mut self.kind {
             Kind::Motor(drive) => drive.push(now, duty),
             Kind::Position(drive) => drive.push(now, duty),
+            Kind::Steps(steps) => steps.drive.push(now, duty),
         }
     }
 
@@ -253,10 +332,21 @@ impl FlownDrive for RigDrive {
         match &self.kind {
             Kind::Motor(drive) => drive.asked_duty(),
             Kind::Position(drive) => drive.asked_duty(),
+            Kind::Steps(steps) => steps.drive.asked_duty(),
         }
     }
 
     fn set_reference(&mut self) {
         self.set_position(0);
     }
+}
+
+/// Returns the number of pulses of a stepper's timer in a round.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "at most 1000, by the range of the rate"
+)]
+fn pulses_of_round(rate_hz: f32) -> u16 {
+    libm::roundf(rate_hz * TICK_S).max(1.0) as u16
 }

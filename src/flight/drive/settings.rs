@@ -3,6 +3,7 @@
 use super::kind::DriveKind;
 use super::loop_settings::LoopSettings;
 use super::position_command_settings::PositionCommandSettings;
+use super::step_settings::StepSettings;
 use crate::geometry::range::{OutOfRange, Quantity};
 
 /// Step whose rounding has the σ 1: √12.
@@ -53,6 +54,8 @@ pub struct DriveSettings {
     pub kind: DriveKind,
     /// Command and sensor of [`DriveKind::PositionCommand`].
     pub position_command: PositionCommandSettings,
+    /// Steps of [`DriveKind::Stepper`].
+    pub stepper: StepSettings,
 }
 
 impl Default for DriveSettings {
@@ -71,6 +74,7 @@ impl Default for DriveSettings {
             index_sigma_um: 0.02,
             kind: DriveKind::Motor,
             position_command: PositionCommandSettings::default(),
+            stepper: StepSettings::default(),
         }
     }
 }
@@ -81,6 +85,12 @@ impl DriveSettings {
     #[must_use]
     pub const fn is_absolute(&self) -> bool {
         matches!(self.kind, DriveKind::PositionCommand)
+    }
+
+    /// Returns `true` if nothing measures the stage: its motion is that of the steps made.
+    #[must_use]
+    pub const fn is_stepped(&self) -> bool {
+        matches!(self.kind, DriveKind::Stepper)
     }
 
     /// Returns the play in which an encoder on the stage stands still while the screw moves, mm.
@@ -115,7 +125,8 @@ impl DriveSettings {
     }
 
     /// Returns the settings, if each is in its range. Those of a position command have no play,
-    /// index mark and friction, whatever was set.
+    /// index mark and friction, and those of a stepper no index mark and no encoder, whatever was
+    /// set.
     ///
     /// # Errors
     /// [`OutOfRange`] naming the field.
@@ -131,10 +142,30 @@ impl DriveSettings {
         }
         Quantity::IndexSigmaUm.check(self.index_sigma_um)?;
         self.position_command.checked()?;
+        self.stepper.checked()?;
         Ok(match self.kind {
             DriveKind::Motor => self,
             DriveKind::PositionCommand => self.without_motor(),
+            DriveKind::Stepper => self.of_steps(),
         })
+    }
+
+    /// Returns the settings with a step as that of the encoder, which is counted as it is made: it
+    /// has no age, and nothing can be latched at an index mark.
+    fn of_steps(self) -> Self {
+        Self {
+            encoder_step_um: 1e3 / self.stepper.steps_per_mm,
+            encoder_side: EncoderSide::Screw,
+            encoder_reversed: false,
+            reading_age_sigma_s: 0.0,
+            index_mm: None,
+            velocity_loop: LoopSettings {
+                friction_feed: 0.0,
+                reading_age_s: 0.0,
+                ..self.velocity_loop
+            },
+            ..self
+        }
     }
 
     /// Returns the settings with nothing that only a motor and its screw have: play, index mark and

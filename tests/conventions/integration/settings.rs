@@ -3,6 +3,7 @@
 use fmc_camera::flight::drive::loop_settings::LoopSettings;
 use fmc_camera::flight::drive::position_command_settings::PositionCommandSettings;
 use fmc_camera::flight::drive::settings::DriveSettings;
+use fmc_camera::flight::drive::step_settings::StepSettings;
 use fmc_camera::flight::input_settings::InputSettings;
 use fmc_camera::flight::settings::FlightSettings;
 use fmc_camera::flight::vh::{ChannelSettings, VhSettings};
@@ -22,7 +23,7 @@ macro_rules! settings {
     };
 }
 
-const SETTINGS: [(&str, Field); 46] = settings![
+const SETTINGS: [(&str, Field); 53] = settings![
     exposure_s,
     smear_budget_px,
     speed_tolerance_percent,
@@ -65,6 +66,13 @@ const SETTINGS: [(&str, Field); 46] = settings![
     drive.position_command.sensor_most_counts,
     drive.position_command.sensor_noise_um,
     drive.position_command.sensor_frozen_s,
+    drive.stepper.steps_per_mm,
+    drive.stepper.pulse_rate_hz,
+    drive.stepper.max_step_rate_hz,
+    drive.stepper.homing_offset_mm,
+    drive.stepper.homing_speed_mm_s,
+    drive.stepper.homing_travel_mm,
+    drive.stepper.following_sigma_um,
     inputs.shortest_pulse_ns,
     inputs.shortest_track_ns,
     inputs.receiver_baud,
@@ -160,6 +168,19 @@ fn settings_without_a_range_are_named() {
                         sensor_noise_um: _,
                         sensor_frozen_s: _,
                     },
+                stepper:
+                    StepSettings {
+                        steps_per_mm: _,
+                        reversed: _,
+                        pulse_rate_hz: _,
+                        max_step_rate_hz: _,
+                        setup_pulses: _,
+                        limit_closed_low: _,
+                        homing_offset_mm: _,
+                        homing_speed_mm_s: _,
+                        homing_travel_mm: _,
+                        following_sigma_um: _,
+                    },
             },
         inputs:
             InputSettings {
@@ -186,6 +207,9 @@ fn settings_without_a_range_are_named() {
         "`drive.motor_reversed`",
         "`drive.index_mm`",
         "`drive.kind`",
+        "`drive.stepper.reversed`",
+        "`drive.stepper.setup_pulses`",
+        "`drive.stepper.limit_closed_low`",
         "`inputs.trigger`",
         "`inputs.time_pulse`",
         "`inputs.shutter_opened`",

@@ -354,5 +354,10 @@ pub(crate) fn keep() {
         Stepper::position,
         Stepper::follow,
         Stepper::release,
+        Stepper::pins_mut,
+        Stepper::steps,
+        Stepper::is_of,
+        Stepper::set_settings,
+        Stepper::set_reference,
     ];
 }

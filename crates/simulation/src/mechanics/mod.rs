@@ -292,6 +292,11 @@ impl Mechanics {
     /// Returns the counts lost until a time.
     #[expect(clippy::cast_possible_truncation, reason = "some millions of counts")]
     fn lost_counts(&self, time_s: f64) -> i64 {
+        (self.lost_um(time_s) / self.settings.encoder_step_um).round() as i64
+    }
+
+    /// Returns what the counts lost until a time are, µm.
+    fn lost_um(&self, time_s: f64) -> f64 {
         let lost_um = self
             .injections
             .iter()
@@ -299,7 +304,7 @@ impl Mechanics {
                 MechanicalFault::CountsLost { um } => um * injection.part(time_s),
                 _ => 0.0,
             });
-        (lost_um.sum::<f64>() / self.settings.encoder_step_um).round() as i64
+        lost_um.sum()
     }
 
     /// Returns the state of the low and of the high limit switch; `true` if closed.
@@ -385,7 +390,9 @@ impl Mechanics {
         reason = "a stroke has less than 2^53 steps"
     )]
     fn forces_of_stepper(&self, stepper: &Stepper, jam_n: f64) -> Forces {
-        let field_mm = self.field_steps as f64 / stepper.steps_per_mm;
+        let made_mm = self.field_steps as f64 / stepper.steps_per_mm;
+        // Steps that are lost are counted as made, as lost counts are those of an encoder.
+        let field_mm = made_mm - 1e-3 * self.lost_um(self.time_s);
         let pull_n = stepper.stiffness_n_mm * (field_mm - self.motion.position_mm);
         Forces {
             motor_n: pull_n.clamp(-self.settings.force_n, self.settings.force_n),

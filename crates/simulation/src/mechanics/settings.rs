@@ -1,5 +1,6 @@
 //! Parameters of the stage's mechanics.
 
+use fmc_camera::flight::drive::kind::DriveKind;
 use serde::Deserialize;
 
 use super::position_stage::PositionStage;
@@ -141,6 +142,18 @@ impl Default for MechanicsSettings {
 pub const LONGEST_SUBSTEP_S: f64 = 5e-5;
 
 impl MechanicsSettings {
+    /// Kind of the camera's drive.
+    #[must_use]
+    pub const fn drive_kind(&self) -> DriveKind {
+        if self.position_stage.is_some() {
+            DriveKind::PositionCommand
+        } else if self.stepper.is_some() {
+            DriveKind::Stepper
+        } else {
+            DriveKind::Motor
+        }
+    }
+
     /// Returns the settings if a stage can be built from them.
     ///
     /// # Errors

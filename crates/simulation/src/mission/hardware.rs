@@ -33,6 +33,7 @@ pub(super) fn agree(
     text: &TomlText,
 ) -> Result<FlightSettings, InputError> {
     let mut settings = file.settings;
+    agree_on_kind(written, &settings, file, text)?;
     // The operator tells the camera its exposure and its direction, where the settings do not.
     if !file.has(&["exposure_s"]) {
         settings.exposure_s = fmc_camera_file::number::single(written.flight.exposure_s);
@@ -68,7 +69,6 @@ pub(super) fn agree(
     if !text.has(&["mechanics", "backlash_um"]) {
         written.mechanics.backlash_um = decimal(settings.drive.play_um);
     }
-    agree_on_kind(written, &settings, file, text)?;
     agree_on_index(written, &settings, file, text)?;
     let velocity_loop = &settings.drive.velocity_loop;
     let stated = [
@@ -122,29 +122,29 @@ pub(super) fn agree(
     Ok(settings)
 }
 
-/// Refuses settings for another kind of drive than the scenario's. How far a command leads, the
-/// scenario may have otherwise than the settings: they do not know it better.
+/// Refuses settings for another kind of drive than the scenario's. How far a command or a step
+/// leads, the scenario may have otherwise than the settings: they do not know it better.
 fn agree_on_kind(
     written: &MissionFile,
     settings: &FlightSettings,
     file: &FlightSettingsFile,
     text: &TomlText,
 ) -> Result<(), InputError> {
-    let kind = settings.drive.kind;
-    let has_stage = written.mechanics.position_stage.is_some();
-    if has_stage == (kind == DriveKind::PositionCommand) {
+    let (kind, scenario) = (settings.drive.kind, written.mechanics.drive_kind());
+    if kind == scenario {
         return Ok(());
     }
     let what = format!("drive.kind = \"{kind:?}\"");
-    if has_stage {
-        return Err(contradicts(
-            text,
-            &["mechanics", "position_stage"],
-            &what,
-            file,
-        ));
+    let named = |kind| match kind {
+        DriveKind::Motor => None,
+        DriveKind::PositionCommand => Some("position_stage"),
+        DriveKind::Stepper => Some("stepper"),
+    };
+    if let Some(key) = named(scenario) {
+        return Err(contradicts(text, &["mechanics", key], &what, file));
     }
-    let missing = format!("lacks position_stage, for {what} of {}", file.name);
+    let key = named(kind).unwrap_or_default();
+    let missing = format!("lacks {key}, for {what} of {}", file.name);
     Err(text.invalid(&["mechanics"], &missing))
 }
 

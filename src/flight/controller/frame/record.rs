@@ -42,6 +42,9 @@ impl FrameMachine {
         if setup.camera.has_stage() {
             let drive = &setup.settings.drive;
             let is_counted = !drive.is_absolute();
+            if drive.is_stepped() && !flags.contains(Flag::PlannedMotion) {
+                flags.insert(Flag::NotMeasured);
+            }
             if is_counted && (!stage.index.is_referenced(drive) || stage.play_watch.disagrees()) {
                 flags.insert(Flag::Unreferenced);
             }

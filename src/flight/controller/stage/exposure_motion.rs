@@ -91,7 +91,9 @@ impl StageMachine {
 /// `σ_a` and of the play `σ_p`. `σ_t` is [`STAMP_SIGMA_S`]. Counts that may be lost unseen are
 /// added by [`IndexWatch`](crate::flight::index_watch::IndexWatch), with the record, and readings
 /// that have moved at rest by [`StageRest`](crate::flight::stage_rest::StageRest). An absolute
-/// sensor loses none; it has the noise `σ_n` in each of its N readings, moved or not.
+/// sensor loses none; it has the noise `σ_n` in each reading, moved or not, of which the mean by the
+/// trapezoidal rule over N = n - 1 intervals keeps `σ_n²/N`. A stage that nothing measures is off
+/// its steps by `following_sigma_um`, common to the flight.
 fn sigma_of_readings(
     drive: &DriveSettings,
     motion: &PrincipalPointMotion,
@@ -107,13 +109,16 @@ fn sigma_of_readings(
     let step_variance = square(step_mm) / 12.0;
     let mut frame_variance = step_variance / readings + square(speed_mm_s * STAMP_SIGMA_S);
     if drive.is_absolute() {
-        frame_variance += square(1e-3 * drive.position_command.sensor_noise_um) / (1.0 + read);
+        frame_variance += square(1e-3 * drive.position_command.sensor_noise_um) / read.max(1.0);
     }
-    let common_variance = step_variance
+    let mut common_variance = step_variance
         + square(1e-3 * drive.zero_sigma_um)
         + square(1e-6 * drive.encoder_scale_ppm * motion.centroid_mm)
         + square(speed_mm_s * drive.reading_age_sigma_s)
         + square(play_sigma_mm);
+    if drive.is_stepped() {
+        common_variance += square(1e-3 * drive.stepper.following_sigma_um);
+    }
     PrincipalPointSigma {
         frame_mm: fmc_camera_kernel::sqrt(frame_variance),
         common_mm: fmc_camera_kernel::sqrt(common_variance),
