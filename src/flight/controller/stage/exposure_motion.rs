@@ -91,9 +91,9 @@ impl StageMachine {
 /// `σ_a` and of the play `σ_p`. `σ_t` is [`STAMP_SIGMA_S`]. Counts that may be lost unseen are
 /// added by [`IndexWatch`](crate::flight::index_watch::IndexWatch), with the record, and readings
 /// that have moved at rest by [`StageRest`](crate::flight::stage_rest::StageRest). An absolute
-/// sensor loses none; it has the noise `σ_n` in each reading, moved or not, of which the mean by the
-/// trapezoidal rule over N = n - 1 intervals keeps `σ_n²/N`. A stage that nothing measures is off
-/// its steps by `following_sigma_um`, common to the flight.
+/// sensor loses none; it has the noise `σ_n` in each reading, moved or not, of which the mean by
+/// the trapezoidal rule over N = n - 1 intervals keeps `σ_n²/N`. A stage that nothing measures is
+/// off its steps by `following_sigma_um`, common to the flight.
 fn sigma_of_readings(
     drive: &DriveSettings,
     motion: &PrincipalPointMotion,
