@@ -8,11 +8,17 @@ use super::position_stage::PositionStage;
 /// Number of play operators of the hysteresis.
 const PLAYS: usize = 8;
 
+/// Part of each in the hysteresis.
+const PART: f64 = 1.0 / 8.0;
+
 /// Radius of the widest of them, in parts of the travel.
 const WIDEST: f64 = 0.25;
 
 /// Time constants of the creep, s: a logarithm of time over three decades.
 const CREEP_S: [f64; 3] = [0.1, 1.0, 10.0];
+
+/// Part of each in the creep.
+const CREEP_PART: f64 = 1.0 / 3.0;
 
 /// Hysteresis and creep of a stage.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -56,17 +62,17 @@ impl Hysteresis {
         let mut played_um = 0.0;
         let mut width_um = 0.0;
         for (number, play_um) in (1_u32..).zip(&mut self.plays_um) {
-            let radius_um = stage.travel_um * WIDEST * f64::from(number) / PLAYS as f64;
+            let radius_um = stage.travel_um * WIDEST * f64::from(number) * PART;
             *play_um = play_um.clamp(asked_um - radius_um, asked_um + radius_um);
-            played_um += *play_um / PLAYS as f64;
-            width_um += 2.0 * radius_um / PLAYS as f64;
+            played_um += *play_um * PART;
+            width_um += 2.0 * radius_um * PART;
         }
         let part = 0.01 * stage.hysteresis_percent * stage.travel_um / width_um;
         let held_um = (1.0 - part) * asked_um + part * played_um;
         let mut crept_um = 0.0;
         for (time_s, part_um) in CREEP_S.into_iter().zip(&mut self.crept_um) {
             *part_um += (held_um - *part_um) * (step_s / time_s);
-            crept_um += *part_um / CREEP_S.len() as f64;
+            crept_um += *part_um * CREEP_PART;
         }
         held_um + 0.01 * stage.creep_percent * crept_um
     }
