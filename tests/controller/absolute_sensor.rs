@@ -89,15 +89,15 @@ fn sigma_is_that_of_step_noise_zero_scale_and_age_and_does_not_grow() {
         let sigma = frame.principal_point_sigma;
         let speed_um_s = 1e3 * frame.interior.motion.travel_mm / frame.interior.exposure_s;
         let scale_um = 1e-3 * 1e3 * frame.interior.motion.centroid_mm;
-        let squares = [0.1 / 12_f32.sqrt(), 0.2, scale_um, speed_um_s * 1e-5].map(|it| it * it);
-        let common_um = squares.into_iter().sum::<f32>().sqrt();
+        let squares = [0.1 / libm::sqrtf(12.0), 0.2, scale_um, speed_um_s * 1e-5].map(|it| it * it);
+        let common_um = libm::sqrtf(squares.into_iter().sum());
         assert!(
             (1e3 * sigma.common_mm - common_um).abs() < 2e-3,
             "{sigma:?}"
         );
         // The mean over the 3.33 rounds of an exposure.
         let frame_um = 1e3 * sigma.frame_mm;
-        let expected_um = 0.3 / 3.333_f32.sqrt();
+        let expected_um = 0.3 / libm::sqrtf(3.333);
         assert!((frame_um - expected_um).abs() < 5e-3, "{sigma:?}");
     }
 }

@@ -108,6 +108,36 @@ fn defaults_and_ranges_are_those_of_the_code() {
 }
 
 /// Does not compile with an additional field, which belongs in the document, too.
+const fn fields_of_other_drives(settings: &DriveSettings) {
+    let PositionCommandSettings {
+        command_travel_um: _,
+        command_zero: _,
+        max_command: _,
+        lag_s: _,
+        acceleration_lag_s2: _,
+        correction_rate_per_s: _,
+        max_correction_um: _,
+        sensor_zero_counts: _,
+        sensor_least_counts: _,
+        sensor_most_counts: _,
+        sensor_noise_um: _,
+        sensor_frozen_s: _,
+    } = &settings.position_command;
+    let StepSettings {
+        steps_per_mm: _,
+        reversed: _,
+        pulse_rate_hz: _,
+        max_step_rate_hz: _,
+        setup_pulses: _,
+        limit_closed_low: _,
+        homing_offset_mm: _,
+        homing_speed_mm_s: _,
+        homing_travel_mm: _,
+        following_sigma_um: _,
+    } = &settings.stepper;
+}
+
+/// As above.
 #[test]
 fn settings_without_a_range_are_named() {
     let FlightSettings {
@@ -153,34 +183,8 @@ fn settings_without_a_range_are_named() {
                 index_mm: _,
                 index_sigma_um: _,
                 kind: _,
-                position_command:
-                    PositionCommandSettings {
-                        command_travel_um: _,
-                        command_zero: _,
-                        max_command: _,
-                        lag_s: _,
-                        acceleration_lag_s2: _,
-                        correction_rate_per_s: _,
-                        max_correction_um: _,
-                        sensor_zero_counts: _,
-                        sensor_least_counts: _,
-                        sensor_most_counts: _,
-                        sensor_noise_um: _,
-                        sensor_frozen_s: _,
-                    },
-                stepper:
-                    StepSettings {
-                        steps_per_mm: _,
-                        reversed: _,
-                        pulse_rate_hz: _,
-                        max_step_rate_hz: _,
-                        setup_pulses: _,
-                        limit_closed_low: _,
-                        homing_offset_mm: _,
-                        homing_speed_mm_s: _,
-                        homing_travel_mm: _,
-                        following_sigma_um: _,
-                    },
+                position_command: _,
+                stepper: _,
             },
         inputs:
             InputSettings {
@@ -198,6 +202,7 @@ fn settings_without_a_range_are_named() {
             },
         flies_on_after_reset: _,
     } = FlightSettings::default();
+    fields_of_other_drives(&DriveSettings::default());
     for name in [
         "`direction`",
         "`encoder_survives_brown_out`",
