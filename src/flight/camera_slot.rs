@@ -6,6 +6,7 @@ use core::fmt;
 use super::calibration_id::CalibrationId;
 use super::camera::Camera;
 use super::controller::{Controller, ControllerError, Preparation, Setup, Start, checked};
+use super::drive::kind::DriveKind;
 use super::drive::settings::DriveSettings;
 use super::settings::FlightSettings;
 use crate::geometry::range::OutOfRange;
@@ -143,8 +144,19 @@ impl CameraSlot {
 
     /// Returns the start of a flight after the one in the slot; faults that have not been cleared
     /// are kept.
+    ///
+    /// A flight with an absolute sensor tells nothing of an encoder that counts: that has its place
+    /// after such a flight as before.
     fn next_start(&self) -> Start {
-        self.controller().map_or(self.start, Controller::next_start)
+        let Some(controller) = self.controller() else {
+            return self.start;
+        };
+        let preparation = self.preparation.as_ref();
+        let is_absolute = preparation.is_some_and(|flown| flown.settings().drive.is_absolute());
+        match controller.next_start() {
+            Start::Orderly if is_absolute && self.start != Start::Orderly => Start::Unreferenced,
+            start => start,
+        }
     }
 
     /// The controller; `None` before the camera is prepared.
@@ -178,6 +190,8 @@ pub enum NotFlyable {
     Controller(ControllerError),
     /// The sensor is TDI, and the board has no output that clocks its rows.
     NoRowClock,
+    /// The settings are for a kind of drive that the board does not have.
+    OtherDrive(DriveKind),
 }
 
 impl fmt::Display for NotFlyable {
@@ -187,6 +201,12 @@ impl fmt::Display for NotFlyable {
             Self::Controller(error) => error.fmt(f),
             Self::NoRowClock => {
                 f.write_str("the board has no output that clocks the rows of a TDI sensor")
+            }
+            Self::OtherDrive(asked) => {
+                write!(
+                    f,
+                    "the settings are for {asked}, which the board does not have"
+                )
             }
         }
     }

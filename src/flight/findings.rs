@@ -3,7 +3,7 @@
 use super::flag::Flag;
 
 /// Kinds of findings.
-const KINDS: usize = Flag::ALL.len() - FIRST;
+const KINDS: usize = Flag::VhUnconfirmed as usize + 1 - FIRST;
 
 /// First flag of an instrument.
 const FIRST: usize = Flag::VhNotANumber as usize;

@@ -4,9 +4,9 @@ use super::attitude::AttitudeFinding;
 use super::utc::UtcFinding;
 use super::vh::{VhFindingKind, WrongUnit};
 
-/// A property of a frame that its user should know. Those from [`Self::VhNotANumber`] on are
-/// findings of the aircraft's instruments: made since the last record, or of the last sample of
-/// their source.
+/// A property of a frame that its user should know. Those from [`Self::VhNotANumber`] to
+/// [`Self::VhUnconfirmed`] are findings of the aircraft's instruments: made since the last record,
+/// or of the last sample of their source.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -76,11 +76,14 @@ pub enum Flag {
     /// V/H comes from a source that has jumped and that nothing has confirmed
     /// ([`VhMonitor::is_unconfirmed`](super::vh::VhMonitor::is_unconfirmed)).
     VhUnconfirmed,
+    /// Nothing measures the stage: the motion is that of the steps made, by a stepper
+    /// ([`DriveKind::Stepper`](super::drive::kind::DriveKind::Stepper)).
+    NotMeasured,
 }
 
 impl Flag {
     /// All flags.
-    pub const ALL: [Self; 31] = [
+    pub const ALL: [Self; 32] = [
         Self::NoCompensation,
         Self::LastGoodVh,
         Self::OffCentre,
@@ -112,6 +115,7 @@ impl Flag {
         Self::AttitudeOutOfRange,
         Self::AttitudeSilent,
         Self::VhUnconfirmed,
+        Self::NotMeasured,
     ];
 
     /// The name in documents and tables.
@@ -149,13 +153,14 @@ impl Flag {
             Self::AttitudeOutOfRange => "attitude out of range",
             Self::AttitudeSilent => "attitude silent",
             Self::VhUnconfirmed => "V/H unconfirmed",
+            Self::NotMeasured => "not measured",
         }
     }
 
     /// Returns `true` if the flag concerns an instrument of the aircraft, and not the camera.
     #[must_use]
     pub const fn is_of_instrument(self) -> bool {
-        self as u32 >= Self::VhNotANumber as u32
+        self as u32 >= Self::VhNotANumber as u32 && self as u32 <= Self::VhUnconfirmed as u32
     }
 
     /// Returns the flag of a finding of V/H; `None` for a recovery.

@@ -284,7 +284,7 @@ impl<Drive: FlownDrive> FlownDeck<Drive> {
     /// # Errors
     /// [`NotFlyable`]; an earlier flight goes on then.
     pub fn prepare(&mut self, settings: &FlightSettings) -> Result<(), NotFlyable> {
-        self.check_rows()?;
+        self.check_board(settings)?;
         let drive = &mut self.drive;
         self.camera
             .prepare(settings, |settings| drive.set_settings(settings))?;
@@ -299,7 +299,7 @@ impl<Drive: FlownDrive> FlownDeck<Drive> {
         settings: &FlightSettings,
         flies_on: bool,
     ) -> Result<(), NotFlyable> {
-        self.check_rows()?;
+        self.check_board(settings)?;
         let drive = &mut self.drive;
         let set_drive = |settings| drive.set_settings(settings);
         let camera = &mut self.camera;
@@ -308,10 +308,18 @@ impl<Drive: FlownDrive> FlownDeck<Drive> {
         Ok(())
     }
 
-    /// Checks that the board can clock the rows of a TDI sensor, if the camera has one.
-    fn check_rows(&self) -> Result<(), NotFlyable> {
-        let has_rows = |camera: &Camera| !camera.has_stage();
-        if !self.has_row_clock && self.camera().is_some_and(has_rows) {
+    /// Checks that the board can clock the rows of a TDI sensor, or move the stage's mechanism,
+    /// whichever the camera has.
+    fn check_board(&self, settings: &FlightSettings) -> Result<(), NotFlyable> {
+        let Some(camera) = self.camera() else {
+            return Ok(());
+        };
+        let kind = settings.drive.kind;
+        if camera.has_stage() {
+            if !self.drive.is_of(kind) {
+                return Err(NotFlyable::OtherDrive(kind));
+            }
+        } else if !self.has_row_clock {
             return Err(NotFlyable::NoRowClock);
         }
         Ok(())

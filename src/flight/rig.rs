@@ -31,7 +31,9 @@ pub struct RigStep {
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct RigAnswer {
-    /// Pulse width at the motor, -1 to 1; positive is along the FMC axis.
+    /// Pulse width at the motor, -1 to 1; positive is along the FMC axis. The position command, -1
+    /// to 1, or the part of a stepper's pulses until the next round that are steps along the axis,
+    /// with another kind of drive.
     pub duty: f32,
     /// `true` if the motor's power stage is on.
     pub powered: bool,

@@ -154,8 +154,9 @@ impl FlightSettings {
     fn following_mm(&self) -> f32 {
         let drive = &self.drive;
         // An encoder on the stage stands still while its screw takes up the play.
-        let coarser_um = (drive.encoder_step_um - FINE_STEP_UM).max(0.0);
-        let least_um = FOLLOWING_STEPS * drive.encoder_step_um;
+        let step_um = drive.coarseness_um();
+        let coarser_um = (step_um - FINE_STEP_UM).max(0.0);
+        let least_um = FOLLOWING_STEPS * step_um;
         1e-3 * (self.following_tolerance_um + FOLLOWING_STEPS * coarser_um).max(least_um)
             + drive.seen_play_mm()
             + FRICTION_PART * drive.velocity_loop.friction_error_mm()
@@ -164,7 +165,7 @@ impl FlightSettings {
     /// Returns the tolerances of a stage with a largest planned acceleration, mm/s².
     pub(super) fn stage_tolerance(&self, acceleration_mm_s2: f32) -> StageTolerance {
         let drive = &self.drive;
-        let (step_um, play_mm) = (drive.encoder_step_um, drive.seen_play_mm());
+        let (step_um, play_mm) = (drive.coarseness_um(), drive.seen_play_mm());
         let in_round_mm = |mm_s2: f32| mm_s2 * TICK_S * TICK_S;
         let friction_mm = in_round_mm(drive.velocity_loop.friction_mm_s2());
         let planned_mm = in_round_mm(acceleration_mm_s2) + 2e-3 * step_um;

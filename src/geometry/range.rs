@@ -154,6 +154,19 @@ quantities! {
     ShortestTrackNs = "shortest_track_ns", 0.0, 100_000.0;
     ReceiverBaud = "receiver_baud", 2400.0, 1e6;
     AutopilotBaud = "autopilot_baud", 2400.0, 1e6;
+    CommandTravelUm = "command_travel_um", 1.0, 100_000.0;
+    CommandZero = "command_zero", -0.9, 0.9;
+    MaxCommand = "max_command", 0.01, 1.0;
+    LagS = "lag_s", 0.0, 0.1;
+    AccelerationLagS2 = "acceleration_lag_s2", 0.0, 0.01;
+    CorrectionRatePerS = "correction_rate_per_s", 0.0, 1000.0;
+    MaxCorrectionUm = "max_correction_um", 0.0, 10_000.0;
+    SensorZeroCounts = "sensor_zero_counts", -8e6, 8e6;
+    SensorLeastCounts = "sensor_least_counts", -8e6, 8e6;
+    SensorMostCounts = "sensor_most_counts", -8e6, 8e6;
+    SensorNoiseUm = "sensor_noise_um", 0.0, 100.0;
+    SensorFrozenS = "sensor_frozen_s", 0.0, 10.0;
+    FollowingSigmaUm = "following_sigma_um", 0.0, 1000.0;
 }
 
 impl Quantity {

@@ -9,6 +9,7 @@
     reason = "tests"
 )]
 
+mod absolute_sensor;
 mod bench;
 mod bring_up;
 mod confirmation;

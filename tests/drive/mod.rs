@@ -5,6 +5,7 @@ mod control_loop;
 #[cfg(test)]
 mod enabled_drive;
 #[cfg(test)]
+mod position_command;
 mod pwm_encoder;
 #[cfg(test)]
 mod quadrature;

@@ -9,6 +9,9 @@ use embedded_hal::digital::{ErrorType, InputPin, OutputPin};
 use embedded_hal_mock::eh1::MockError;
 use embedded_hal_mock::eh1::digital::{Mock, State, Transaction};
 use fmc_camera::flight::drive::FmcDrive;
+use fmc_camera::flight::drive::flown_drive::FlownDrive;
+use fmc_camera::flight::drive::kind::DriveKind;
+use fmc_camera::flight::drive::settings::DriveSettings;
 use fmc_camera::flight::drive::step_dir::{Homing, StepDir, StepPins};
 use fmc_camera::flight::drive::step_settings::StepSettings;
 use fmc_camera::flight::fault::Fault;
@@ -353,4 +356,40 @@ fn settings_out_of_range_are_refused_by_name() {
     for pin in &mut used {
         pin.done();
     }
+}
+
+#[test]
+fn other_settings_keep_the_place_and_the_rate_of_the_timer() {
+    let (bench, mut drive) = bench(-100_000, 100_000);
+    drive.follow(Time::START, at(0.3)).unwrap();
+    pulses(&mut drive, 400 * 40);
+    let steps = bench.borrow().steps;
+    assert_eq!(steps, 300);
+    let finer = DriveSettings {
+        kind: DriveKind::Stepper,
+        stepper: StepSettings {
+            steps_per_mm: 2000.0,
+            ..settings()
+        },
+        ..DriveSettings::default()
+    };
+    drive.set_settings(finer).unwrap();
+    let place_mm = drive.position(Time::START).unwrap().offset_mm;
+    assert!((place_mm - 0.3).abs() < 1e-6, "{place_mm}");
+    // It is released: nothing moves until the next set point.
+    pulses(&mut drive, 400);
+    assert_eq!(bench.borrow().steps, steps);
+    let mut faster = finer;
+    faster.stepper.pulse_rate_hz = 80_000.0;
+    let refused = drive.set_settings(faster).unwrap_err();
+    assert_eq!(
+        refused.to_string(),
+        "pulse_rate_hz = 80000 is outside 40000 to 40000"
+    );
+    // Settings of a motor, as those of a trial, leave the steps as they are.
+    drive.set_settings(DriveSettings::default()).unwrap();
+    assert_eq!(drive.steps(), 600);
+    assert!(drive.is_of(DriveKind::Stepper) && !drive.is_of(DriveKind::Motor));
+    drive.set_reference();
+    assert_eq!(drive.steps(), 0);
 }

@@ -57,8 +57,18 @@ impl Board {
         counter_us: u32,
         memory: Option<&'static FlightMemory>,
     ) -> Self {
+        Self::driven(start, counter_us, memory, DriveSettings::default())
+    }
+
+    /// As [`Self::kept_in`], with the drive of these settings.
+    pub(crate) fn driven(
+        start: ResetCause,
+        counter_us: u32,
+        memory: Option<&'static FlightMemory>,
+        settings: DriveSettings,
+    ) -> Self {
         let identity = Identity::new("test build", "test board", false, start);
-        let drive = RigDrive::new(DriveSettings::default()).unwrap();
+        let drive = RigDrive::new(settings).unwrap();
         let deck = FlownDeck::new(drive, start.unreferenced());
         let mut station = Station::with(identity, || 0, deck);
         if let Some(memory) = memory {

@@ -1,13 +1,17 @@
 //! A camera on a board in flight.
 
+use fmc_camera::flight::camera::Mechanism;
 use fmc_camera::flight::controller::state::State;
+use fmc_camera::flight::drive::kind::DriveKind;
+use fmc_camera::flight::drive::step_settings::StepSettings;
 use fmc_camera::flight::event::{Command, Event, ShutterEdge};
 use fmc_camera::flight::fault::Fault;
 use fmc_camera::flight::frame_record::{ExposedFrame, Flag, FrameRecord, Outcome};
 use fmc_camera::flight::input_levels::InputLevels;
+use fmc_camera::flight::settings::FlightSettings;
 use fmc_camera::flight::time::Time;
 use fmc_camera::flight::vh::VhSample;
-use fmc_camera::io::link::message::{Answer, Request, ResetCause};
+use fmc_camera::io::link::message::{Answer, Refusal, Request, ResetCause};
 
 use crate::link::board::Board;
 use crate::link::pc::camera_parameters;
@@ -300,4 +304,56 @@ fn after_the_watchdog_the_shutter_is_closed_and_somebody_must_look() {
     assert_eq!(board.status().state, State::Fault(Fault::Watchdog));
     board.command(Command::ClearFault);
     board.arm();
+}
+
+#[test]
+fn stepper_is_flown_over_the_link_and_its_records_say_that_nothing_is_measured() {
+    let mut settings = FlightSettings {
+        // Steps of 0.31 µm are a part of the pixel of 3.76 µm.
+        smear_budget_px: 1.0,
+        ..FlightSettings::default()
+    };
+    settings.drive.kind = DriveKind::Stepper;
+    settings.drive.stepper = StepSettings {
+        pulse_rate_hz: 400_000.0,
+        max_step_rate_hz: 200_000.0,
+        following_sigma_um: 8.0,
+        ..StepSettings::default()
+    };
+    let mut board = Board::driven(ResetCause::PowerOn, 0, None, settings.drive);
+    let mut camera = camera_parameters();
+    let Mechanism::Stage { max_speed_mm_s, .. } = &mut camera.mechanism else {
+        panic!("no stage");
+    };
+    *max_speed_mm_s = Some(50.0);
+    assert!(matches!(board.pc.load(&camera), Answer::Loaded(_)));
+    // The board's timer has a rate of its own.
+    let mut other = settings;
+    other.drive.stepper.pulse_rate_hz = 500_000.0;
+    let refused = |board: &mut Board, settings| match board.pc.ask(&Request::Prepare(settings)) {
+        Answer::Refused(Refusal::Settings(error)) => error.to_string(),
+        answer => panic!("{answer:?}"),
+    };
+    let told = refused(&mut board, other);
+    assert_eq!(told, "pulse_rate_hz = 500000 is outside 400000 to 400000");
+    // The camera is faster than its steps.
+    other = settings;
+    other.drive.stepper.max_step_rate_hz = 100_000.0;
+    let told = refused(&mut board, other);
+    assert_eq!(told, "max_speed_mm_s = 50 is outside 0.001 to 31.25");
+
+    assert_eq!(board.pc.ask(&Request::Prepare(settings)), Answer::Prepared);
+    board.round();
+    assert!(board.status().is_place_lost);
+    board.arm();
+    board.trigger(300);
+    let record = board.record(1);
+    let flags: Vec<Flag> = record.flags.iter().collect();
+    assert_eq!(flags, [Flag::Unreferenced, Flag::NotMeasured]);
+    let frame = exposed(&record);
+    assert!(frame.principal_point_sigma.common_mm > 0.008);
+    let travel_mm = 51.3712 * 0.1 * 3.333e-3;
+    let off_um = 1e3 * (frame.interior.motion.travel_mm - travel_mm);
+    // Two readings, each to a step of 0.31 µm.
+    assert!(off_um.abs() < 0.7, "{off_um} µm");
 }

@@ -3,6 +3,7 @@
 use fmc_camera::flight::camera::{Camera, Mechanism};
 use fmc_camera::flight::controller::state::State;
 use fmc_camera::flight::drive::FmcDrive;
+use fmc_camera::flight::drive::kind::DriveKind;
 use fmc_camera::flight::drive::rig::RigDrive;
 use fmc_camera::flight::drive::settings::DriveSettings;
 use fmc_camera::flight::event::{Command, Event, ShutterEdge};
@@ -226,4 +227,22 @@ fn tdi_camera_needs_an_output_that_clocks_its_rows() {
     assert_eq!(clocking.prepare(&settings), Err(NotFlyable::NoCamera));
     clocking.load(Camera::new(camera).unwrap());
     assert_eq!(clocking.prepare(&settings), Ok(()));
+}
+
+#[test]
+fn settings_for_another_kind_of_drive_than_the_boards_are_refused() {
+    let mut board = Board::prepared_at(0);
+    let mut settings = FlightSettings::default();
+    settings.drive.kind = DriveKind::PositionCommand;
+    assert_eq!(
+        board.pc.ask(&Request::Prepare(settings)),
+        Answer::Refused(Refusal::OtherDrive(DriveKind::PositionCommand))
+    );
+    // The flight before goes on.
+    board.arm();
+    let said = NotFlyable::OtherDrive(DriveKind::PositionCommand).to_string();
+    assert!(
+        said.contains("a position command with an absolute sensor"),
+        "{said}"
+    );
 }

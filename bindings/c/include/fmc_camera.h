@@ -530,6 +530,18 @@ typedef struct fmc_drive_settings {
    * σ of a crossing, µm.
    */
   float index_sigma_um;
+  /**
+   * `FMC_DRIVE_...`
+   */
+  fmc_code kind;
+  /**
+   * σ of one reading of an absolute sensor, µm.
+   */
+  float sensor_noise_um;
+  /**
+   * σ by which a stage is off the steps of its stepper, µm.
+   */
+  float following_sigma_um;
 } fmc_drive_settings;
 
 /**
@@ -1423,6 +1435,22 @@ typedef struct fmc_displacement {
  * The encoder is on the stage.
  */
 #define FMC_ENCODER_ON_STAGE 1
+
+/**
+ * A motor with an encoder that counts.
+ */
+#define FMC_DRIVE_MOTOR 0
+
+/**
+ * A sensor shows the place of the stage at any time, as an LVDT does: no place is lost, and play,
+ * index mark and friction do not count.
+ */
+#define FMC_DRIVE_ABSOLUTE 1
+
+/**
+ * A stepper, which nothing measures.
+ */
+#define FMC_DRIVE_STEPPER 2
 
 /**
  * The shutter opened.

@@ -1,7 +1,10 @@
 //! Settings of a flight, as C fills them.
 
+use fmc::flight::drive::kind::DriveKind;
 use fmc::flight::drive::loop_settings::LoopSettings;
+use fmc::flight::drive::position_command_settings::PositionCommandSettings;
 use fmc::flight::drive::settings::{DriveSettings, EncoderSide};
+use fmc::flight::drive::step_settings::StepSettings;
 use fmc::flight::input_settings::InputSettings;
 use fmc::flight::settings::FlightSettings;
 use fmc::flight::vh::{ChannelSettings, VhSettings};
@@ -21,6 +24,20 @@ pub const FMC_ENCODER_ON_STAGE: fmc_code = 1;
 codes!(encoder_side, code_of_encoder_side, EncoderSide:
     FMC_ENCODER_ON_SCREW = EncoderSide::Screw,
     FMC_ENCODER_ON_STAGE = EncoderSide::Stage,
+);
+
+/// A motor with an encoder that counts.
+pub const FMC_DRIVE_MOTOR: fmc_code = 0;
+/// A sensor shows the place of the stage at any time, as an LVDT does: no place is lost, and play,
+/// index mark and friction do not count.
+pub const FMC_DRIVE_ABSOLUTE: fmc_code = 1;
+/// A stepper, which nothing measures.
+pub const FMC_DRIVE_STEPPER: fmc_code = 2;
+
+codes!(drive_kind, code_of_drive_kind, DriveKind:
+    FMC_DRIVE_MOTOR = DriveKind::Motor,
+    FMC_DRIVE_ABSOLUTE = DriveKind::PositionCommand,
+    FMC_DRIVE_STEPPER = DriveKind::Stepper,
 );
 
 /// Settings of one source of V/H; the unit is that of its sample.
@@ -95,6 +112,12 @@ pub struct fmc_drive_settings {
     pub index_mm: f32,
     /// σ of a crossing, µm.
     pub index_sigma_um: f32,
+    /// `FMC_DRIVE_...`
+    pub kind: fmc_code,
+    /// σ of one reading of an absolute sensor, µm.
+    pub sensor_noise_um: f32,
+    /// σ by which a stage is off the steps of its stepper, µm.
+    pub following_sigma_um: f32,
 }
 
 /// Settings of a flight, as `fmc_flight_settings_defaults` begins them. Their ranges stand in
@@ -237,6 +260,9 @@ impl From<&DriveSettings> for fmc_drive_settings {
             has_index: drive.index_mm.map_or(FMC_NO, |_| crate::FMC_YES),
             index_mm: drive.index_mm.unwrap_or(0.0),
             index_sigma_um: drive.index_sigma_um,
+            kind: code_of_drive_kind(drive.kind),
+            sensor_noise_um: drive.position_command.sensor_noise_um,
+            following_sigma_um: drive.stepper.following_sigma_um,
         }
     }
 }
@@ -268,6 +294,16 @@ impl fmc_drive_settings {
             },
             index_mm: code::bool_of(self.has_index)?.then_some(self.index_mm),
             index_sigma_um: self.index_sigma_um,
+            kind: drive_kind(self.kind)?,
+            // The caller of a library has a drive of its own.
+            position_command: PositionCommandSettings {
+                sensor_noise_um: self.sensor_noise_um,
+                ..PositionCommandSettings::UNUSED
+            },
+            stepper: StepSettings {
+                following_sigma_um: self.following_sigma_um,
+                ..StepSettings::default()
+            },
         })
     }
 }

@@ -88,11 +88,6 @@ impl DeviceArgs {
         Ok(self.opener().open_flying(name)?)
     }
 
-    /// Returns true if the camera's code in this process is asked for, or no device.
-    pub(super) const fn is_in_process(&self) -> bool {
-        matches!(self.device, None | Some(DeviceName::Sil))
-    }
-
     /// Opens a device that may hold records of a flight, beside a program that flies it.
     ///
     /// # Errors

@@ -18,7 +18,6 @@ use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 
 use crate::cli::MissionArgs;
-use crate::device::StepperCamera;
 use crate::failure::{Failure, note};
 use crate::formats::output::{self, OutputFolder, OutputSet};
 
@@ -44,18 +43,7 @@ pub(super) fn run(args: &MissionArgs) -> Result<(), Failure> {
     }
     let mechanics = Mechanics::seeded(scenario.written.mechanics, seed)
         .map_err(|fault| scenario.fault("mechanics", fault))?;
-    let mut device = match StepperCamera::of(&scenario)? {
-        None => args.device.open_flying()?,
-        Some(_) if !args.device.is_in_process() => {
-            return Err(scenario
-                .fault(
-                    "mechanics.stepper",
-                    "is flown in this program alone: --device sil",
-                )
-                .into());
-        }
-        Some(camera) => Box::new(camera),
-    };
+    let mut device = args.device.open_flying()?;
     device.load_grids(&scenario.grids)?;
     device.prepare(&scenario.camera.parameters(), &scenario.flight_settings())?;
     let options = FlightOptions {

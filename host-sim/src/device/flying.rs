@@ -31,7 +31,9 @@ impl InProcess {
         }
         self.rig.prepare(settings).map_err(|error| match error {
             NotFlyable::Controller(error) => not_prepared(error),
-            NotFlyable::NoCamera | NotFlyable::NoRowClock => DeviceError::NotPrepared,
+            NotFlyable::NoCamera | NotFlyable::NoRowClock | NotFlyable::OtherDrive(_) => {
+                DeviceError::NotPrepared
+            }
         })?;
         self.instruments.clear();
         Ok(())

@@ -28,7 +28,6 @@ pub mod serial_line;
 pub mod served;
 pub mod shared_memory;
 mod sil;
-mod stepper;
 pub mod tcp;
 mod wires;
 
@@ -54,7 +53,6 @@ pub use name::{DeviceName, Machine};
 pub use open::{OpenError, Opener};
 pub use record_source::RecordSource;
 pub use sil::InProcess;
-pub use stepper::StepperCamera;
 
 /// A camera that can be given a calibration, exposed, and asked for results that depend on the
 /// exposure.

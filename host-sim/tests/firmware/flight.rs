@@ -5,6 +5,7 @@
 use std::env;
 
 use fmc_camera::flight::controller::state::State;
+use fmc_camera::flight::drive::kind::DriveKind;
 use fmc_camera::flight::event::{Action, Command, Event, ShutterEdge};
 use fmc_camera::flight::fault::{Fault, Faults};
 use fmc_camera::flight::frame_record::{Flag, FrameRecord, Outcome, Reason};
@@ -15,7 +16,8 @@ use fmc_camera::flight::vh::VhSample;
 use fmc_camera::io::link::after_reset::FlightAfterReset;
 use fmc_camera::io::link::message::Refusal;
 use fmc_camera::{CalibrationParameters, CameraParameters};
-use fmc_simulation::mechanics::{Mechanics, MechanicsSettings};
+use fmc_camera_file::number::single;
+use fmc_simulation::mechanics::{Mechanics, MechanicsSettings, PositionStage};
 use host_sim::device::link_error::LinkError;
 use host_sim::device::qemu::{Qemu, QemuOptions};
 use host_sim::device::{CorrectingDevice as _, DeviceError, FlyingDevice, Machine};
@@ -61,6 +63,20 @@ impl Flight {
         let mut flight = Self::new(device);
         flight.prepare().unwrap();
         flight
+    }
+
+    /// Takes a stage that follows a position command, with an absolute sensor.
+    fn move_by_command(&mut self) {
+        let stage = PositionStage::default();
+        self.mechanics = Mechanics::new(MechanicsSettings {
+            position_stage: Some(stage),
+            ..MechanicsSettings::default()
+        })
+        .unwrap();
+        let drive = &mut self.settings.drive;
+        drive.kind = DriveKind::PositionCommand;
+        drive.position_command.lag_s = single(stage.lag_s());
+        drive.position_command.acceleration_lag_s2 = single(stage.acceleration_lag_s2());
     }
 
     fn prepare(&mut self) -> Result<(), DeviceError> {
@@ -192,6 +208,48 @@ fn flown_frames_have_the_twins_records() {
             0
         );
     }
+}
+
+#[test]
+#[ignore = "needs QEMU and the image: cargo xtask test"]
+fn stage_with_an_absolute_sensor_has_its_place_after_a_reset() {
+    let options = QemuOptions {
+        firmware: Some(env::var_os("FMC_FIRMWARE_WITH_DRILLS").unwrap().into()),
+        flash: None,
+        print_log: false,
+    };
+    let mut flight = Flight::new(Qemu::start(MACHINES[0], &options).unwrap());
+    flight.move_by_command();
+    flight.settings.flies_on_after_reset = false;
+    flight.prepare().unwrap();
+    flight.arm();
+    assert_eq!(flight.expose(), 1);
+    assert_measured(&flight.fetched(1));
+    restart_by(&mut flight.device, &WATCHDOG[0]);
+    let remote = flight.device.remote();
+    remote.reconnect().unwrap();
+    assert_eq!(remote.acknowledge_records(1).unwrap(), 0);
+    let mut flight = Flight::new(flight.device);
+    flight.move_by_command();
+    flight.prepare().unwrap();
+    flight.round(None);
+    assert_eq!(flight.state(), State::Fault(Fault::Watchdog));
+    flight.round(Some(Event::Command(Command::ClearFault)));
+    // Nobody refers it.
+    flight.arm();
+    assert_eq!(flight.expose(), 1);
+    assert_measured(&flight.fetched(1));
+}
+
+/// Checks a record without faults and flags, with the σ of a sensor.
+fn assert_measured(record: &FrameRecord) {
+    assert_eq!(record.faults, Faults::NONE, "{record:?}");
+    assert!(record.flags.iter().next().is_none(), "{record:?}");
+    let Outcome::Exposed(frame) = record.outcome else {
+        panic!("{record:?}");
+    };
+    let sigma = frame.principal_point_sigma;
+    assert!(sigma.total_mm() < 1e-4, "{sigma:?}");
 }
 
 #[test]

@@ -1,5 +1,10 @@
 //! The simulated stage, and the library's drive on it.
 
+#![allow(
+    clippy::large_types_passed_by_value,
+    reason = "a stage is described anew in each test"
+)]
+
 #[cfg(test)]
 mod convergence;
 #[cfg(test)]

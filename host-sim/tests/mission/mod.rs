@@ -12,6 +12,8 @@ mod judged;
 mod lost_counts;
 #[cfg(test)]
 mod nominal;
+#[cfg(test)]
+mod position_command;
 mod safety_document;
 mod senders;
 #[cfg(test)]

@@ -3,6 +3,7 @@
 use super::error::ControllerError;
 use super::timing::{EXERCISE_REACH, LEAD_S, TICK_S};
 use crate::flight::camera::{self, Camera, FrameError};
+use crate::flight::drive::kind::DriveKind;
 use crate::flight::exposure::{CorrectionModel, Exposure, FlightDirection};
 use crate::flight::index_watch::IndexSides;
 use crate::flight::interior_orientation::InteriorOrientation;
@@ -131,7 +132,8 @@ impl Setup<'_> {
             travel_mm: direction.sign() * interior.motion.travel_mm,
             wander_mm,
             // Two readings, each rounded to a step of the encoder.
-            travel_sigma_mm: self.settings.drive.encoder_step_mm() / fmc_camera_kernel::sqrt(6.0),
+            travel_sigma_mm: 1e-3 * self.settings.drive.coarseness_um()
+                / fmc_camera_kernel::sqrt(6.0),
             principal_point: interior.principal_point,
         };
         self.smear.of(&vh, aircraft, &compensation)
@@ -143,7 +145,8 @@ impl Setup<'_> {
     pub(super) fn allowed_change_mm(&self, travel_mm: f32, exposure_s: f32) -> f32 {
         let pixel_mm = self.camera.calibration().sensor().pixel_mm();
         let of_speed = 0.01 * self.settings.speed_tolerance_percent * libm::fabsf(travel_mm);
-        let of_steps = self.settings.drive.encoder_step_mm() * SLOPE_STEPS * exposure_s / TICK_S;
+        let step_mm = 1e-3 * self.settings.drive.coarseness_um();
+        let of_steps = step_mm * SLOPE_STEPS * exposure_s / TICK_S;
         of_speed.max(self.settings.smear_budget_px * pixel_mm) + of_steps
     }
 
@@ -177,6 +180,8 @@ pub(in crate::flight) fn checked(
         .map_err(|error| ControllerError::Travel(error.into()))?;
     check_encoder(camera, &settings)?;
     check_index(camera, &settings)?;
+    check_reach(camera, &settings)?;
+    check_step_rate(camera, &settings)?;
     check_interval(camera, &settings)?;
     Ok(settings)
 }
@@ -207,6 +212,33 @@ fn check_index(camera: &Camera, settings: &FlightSettings) -> Result<(), Control
     let stroke_mm = camera.calibration().parameters().stroke_mm;
     let most_mm = (0.5 * stroke_mm - (sides.high_mm - index_mm)).max(0.0);
     let checked = Quantity::IndexMm.check_within(index_mm, -most_mm, most_mm);
+    checked.map(|_| ()).map_err(ControllerError::Settings)
+}
+
+/// Checks that a position command and its sensor reach both ends of the stroke.
+fn check_reach(camera: &Camera, settings: &FlightSettings) -> Result<(), ControllerError> {
+    let drive = &settings.drive;
+    if !camera.has_stage() || drive.kind != DriveKind::PositionCommand {
+        return Ok(());
+    }
+    let half_stroke_um = 500.0 * camera.calibration().parameters().stroke_mm;
+    let checked = drive
+        .position_command
+        .check_reach(half_stroke_um, drive.encoder_step_um);
+    checked.map_err(ControllerError::Settings)
+}
+
+/// Checks that a stepper makes the largest speed of the stage, which has to be stated: steps that
+/// come too late are a stall.
+fn check_step_rate(camera: &Camera, settings: &FlightSettings) -> Result<(), ControllerError> {
+    let drive = &settings.drive;
+    if !camera.has_stage() || !drive.is_stepped() {
+        return Ok(());
+    }
+    let fastest_mm_s = drive.stepper.max_step_rate_hz / drive.stepper.steps_per_mm;
+    let (least_mm_s, _) = Quantity::MaxSpeedMmS.range();
+    let most_mm_s = camera.stage().max_speed_mm_s();
+    let checked = Quantity::MaxSpeedMmS.check_within(most_mm_s, least_mm_s, fastest_mm_s);
     checked.map(|_| ()).map_err(ControllerError::Settings)
 }
 

@@ -70,6 +70,9 @@ impl Controller {
         // The encoder's count is lost with the processor. A camera without a stage keeps that for
         // the next one, whose stage may be on the same encoder.
         *stage = StageMachine::new(start != Start::Orderly);
+        if setup.camera.has_stage() && settings.drive.is_absolute() {
+            stage.show_place(start == Start::FliesOn);
+        }
         frame.restart(faults);
         *readiness = Readiness::new(mode);
         if start == Start::FliesOn {

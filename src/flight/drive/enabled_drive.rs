@@ -3,6 +3,7 @@
 use embedded_hal::digital::OutputPin;
 
 use super::flown_drive::FlownDrive;
+use super::kind::DriveKind;
 use super::settings::DriveSettings;
 use super::{FmcDrive, Latches, StageReading};
 use crate::flight::event::ShutterEdge;
@@ -81,6 +82,10 @@ impl<Drive: FmcDrive, Enable: OutputPin> FmcDrive for EnabledDrive<Drive, Enable
 }
 
 impl<Drive: FlownDrive, Enable: OutputPin> FlownDrive for EnabledDrive<Drive, Enable> {
+    fn is_of(&self, kind: DriveKind) -> bool {
+        self.drive.is_of(kind)
+    }
+
     fn set_settings(&mut self, settings: DriveSettings) -> Result<(), OutOfRange> {
         self.release();
         self.drive.set_settings(settings)

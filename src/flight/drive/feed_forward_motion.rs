@@ -79,7 +79,7 @@ impl FeedForwardMotion {
 }
 
 /// Returns a set point moved at constant acceleration to a later or earlier time.
-fn moved(setpoint: Setpoint, time_s: f32) -> Setpoint {
+pub(super) fn moved(setpoint: Setpoint, time_s: f32) -> Setpoint {
     let Setpoint {
         offset_mm,
         speed_mm_s,

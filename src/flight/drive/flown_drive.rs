@@ -1,6 +1,7 @@
 //! Drive of a camera that is prepared again and again.
 
 use super::FmcDrive;
+use super::kind::DriveKind;
 use super::settings::DriveSettings;
 use crate::flight::fault::Fault;
 use crate::flight::time::Time;
@@ -9,6 +10,12 @@ use crate::geometry::range::OutOfRange;
 /// A mechanism that is built in: it takes the settings of each flight, and its zero at the stage's
 /// present position.
 pub trait FlownDrive: FmcDrive {
+    /// Returns `true` if the drive is of this kind: a camera is not prepared with the
+    /// settings of another. A motor keeps this default.
+    fn is_of(&self, kind: DriveKind) -> bool {
+        kind == DriveKind::Motor
+    }
+
     /// Takes the settings of the flights to come.
     ///
     /// On return the drive is released, as new, and has kept its place: the count at the calibrated

@@ -9,8 +9,11 @@ pub mod enabled_drive;
 mod feed_forward_motion;
 pub mod flown_drive;
 pub mod following_error_bounds;
+pub mod kind;
 mod known_force;
 pub mod loop_settings;
+pub mod position_command;
+pub mod position_command_settings;
 pub mod pwm_encoder;
 pub mod quadrature;
 pub mod rig;
@@ -38,9 +41,10 @@ pub const MAX_LATCHES: usize = 4;
 
 /// A mechanism that moves the stage.
 ///
-/// Two are here: [`step_dir::StepDir`] and [`pwm_encoder::PwmEncoder`]. A piezo, a voice coil with
-/// an amplifier or a motion controller on a bus gets an implementation that owns its pins or its
-/// bus.
+/// Three are here: [`step_dir::StepDir`], [`pwm_encoder::PwmEncoder`] and
+/// [`position_command::PositionCommand`], for an amplifier that takes a position as an analogue
+/// command. A motion controller on a bus gets an implementation that owns its bus; for one with an
+/// absolute sensor the settings name [`kind::DriveKind::PositionCommand`].
 ///
 /// # Callers and order of calls
 /// The control loop alone calls these methods, once per tick (1 kHz): first

@@ -1,7 +1,13 @@
 //! Settings of a motor with an encoder.
 
+use super::kind::DriveKind;
 use super::loop_settings::LoopSettings;
+use super::position_command_settings::PositionCommandSettings;
+use super::step_settings::StepSettings;
 use crate::geometry::range::{OutOfRange, Quantity};
+
+/// Step whose rounding has the σ 1: √12.
+const NOISE_STEPS: f32 = 3.464_101_6;
 
 /// Part of the mechanism on which the encoder sits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -44,6 +50,12 @@ pub struct DriveSettings {
     pub index_mm: Option<f32>,
     /// σ by which crossings of the mark differ from each other, µm.
     pub index_sigma_um: f32,
+    /// Kind of the drive that these settings are for.
+    pub kind: DriveKind,
+    /// Command and sensor of [`DriveKind::PositionCommand`].
+    pub position_command: PositionCommandSettings,
+    /// Steps of [`DriveKind::Stepper`].
+    pub stepper: StepSettings,
 }
 
 impl Default for DriveSettings {
@@ -60,11 +72,27 @@ impl Default for DriveSettings {
             velocity_loop: LoopSettings::default(),
             index_mm: None,
             index_sigma_um: 0.02,
+            kind: DriveKind::Motor,
+            position_command: PositionCommandSettings::default(),
+            stepper: StepSettings::default(),
         }
     }
 }
 
 impl DriveSettings {
+    /// Returns `true` if the sensor shows the place of the stage at any time, whatever has happened
+    /// before: nothing is counted, so that no place can be lost, and no index mark is needed.
+    #[must_use]
+    pub const fn is_absolute(&self) -> bool {
+        matches!(self.kind, DriveKind::PositionCommand)
+    }
+
+    /// Returns `true` if nothing measures the stage: its motion is that of the steps made.
+    #[must_use]
+    pub const fn is_stepped(&self) -> bool {
+        matches!(self.kind, DriveKind::Stepper)
+    }
+
     /// Returns the play in which an encoder on the stage stands still while the screw moves, mm.
     pub(crate) fn seen_play_mm(&self) -> f32 {
         match self.encoder_side {
@@ -78,6 +106,16 @@ impl DriveSettings {
         1e-3 * self.encoder_step_um
     }
 
+    /// Returns the coarseness of a reading, µm: a step of the encoder, and with an absolute sensor
+    /// one that is as uncertain as its noise.
+    pub(crate) fn coarseness_um(&self) -> f32 {
+        if self.is_absolute() {
+            self.encoder_step_um + NOISE_STEPS * self.position_command.sensor_noise_um
+        } else {
+            self.encoder_step_um
+        }
+    }
+
     /// Returns the play that the encoder does not see, mm.
     pub(crate) fn unseen_play_mm(&self) -> f32 {
         match self.encoder_side {
@@ -86,7 +124,9 @@ impl DriveSettings {
         }
     }
 
-    /// Returns the settings, if each is in its range.
+    /// Returns the settings, if each is in its range. Those of a position command have no play,
+    /// index mark and friction, and those of a stepper no index mark and no encoder, whatever was
+    /// set.
     ///
     /// # Errors
     /// [`OutOfRange`] naming the field.
@@ -101,6 +141,45 @@ impl DriveSettings {
             Quantity::IndexMm.check(index_mm)?;
         }
         Quantity::IndexSigmaUm.check(self.index_sigma_um)?;
-        Ok(self)
+        self.position_command.checked()?;
+        self.stepper.checked()?;
+        Ok(match self.kind {
+            DriveKind::Motor => self,
+            DriveKind::PositionCommand => self.without_motor(),
+            DriveKind::Stepper => self.of_steps(),
+        })
+    }
+
+    /// Returns the settings with a step as that of the encoder, which is counted as it is made: it
+    /// has no age, and nothing can be latched at an index mark.
+    fn of_steps(self) -> Self {
+        Self {
+            encoder_step_um: 1e3 / self.stepper.steps_per_mm,
+            encoder_side: EncoderSide::Screw,
+            encoder_reversed: false,
+            reading_age_sigma_s: 0.0,
+            index_mm: None,
+            velocity_loop: LoopSettings {
+                friction_feed: 0.0,
+                reading_age_s: 0.0,
+                ..self.velocity_loop
+            },
+            ..self
+        }
+    }
+
+    /// Returns the settings with nothing that only a motor and its screw have: play, index mark and
+    /// friction.
+    fn without_motor(self) -> Self {
+        Self {
+            encoder_side: EncoderSide::Stage,
+            play_um: 0.0,
+            index_mm: None,
+            velocity_loop: LoopSettings {
+                friction_feed: 0.0,
+                ..self.velocity_loop
+            },
+            ..self
+        }
     }
 }

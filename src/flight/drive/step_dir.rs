@@ -3,12 +3,15 @@
 
 use embedded_hal::digital::{InputPin, OutputPin, PinState};
 
+use super::flown_drive::FlownDrive;
+use super::kind::DriveKind;
+use super::settings::DriveSettings;
 use super::step_settings::StepSettings;
 use super::{FmcDrive, StageReading};
 use crate::flight::fault::Fault;
 use crate::flight::stage::Setpoint;
 use crate::flight::time::Time;
-use crate::geometry::range::OutOfRange;
+use crate::geometry::range::{OutOfRange, Quantity};
 
 /// Time for which a set point is extrapolated, s; if none comes, the stage stands then.
 const LONGEST_PAUSE_S: f32 = 0.005;
@@ -20,7 +23,7 @@ const STEP_ON: f32 = 0.5;
 const STEP_BACK: f32 = 0.75;
 
 /// The pins of the stepper.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct StepPins<Step, Direction, Low, High> {
     /// Steps on its rising edge.
     pub step: Step,
@@ -62,7 +65,7 @@ struct Target {
 /// [`pulse`](Self::pulse) runs in a timer interrupt at a fixed rate; the methods of [`FmcDrive`]
 /// run in the control loop, with that interrupt masked. The position is the number of steps made; a
 /// stepper that loses steps does not report it, and has to be homed again.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct StepDir<Step, Direction, Low, High> {
     pins: StepPins<Step, Direction, Low, High>,
     settings: StepSettings,
@@ -90,22 +93,17 @@ where
     ///
     /// # Errors
     /// [`OutOfRange`] naming the field.
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "positive, at most a million"
-    )]
     pub fn new(
         settings: StepSettings,
         pins: StepPins<Step, Direction, Low, High>,
     ) -> Result<Self, OutOfRange> {
         let settings = settings.checked()?;
+        let [longest_pause_pulses, least_gap_pulses] = pauses(&settings);
         Ok(Self {
             pins,
             settings,
-            longest_pause_pulses: libm::roundf(LONGEST_PAUSE_S * settings.pulse_rate_hz) as u32,
-            least_gap_pulses: libm::ceilf(settings.pulse_rate_hz / settings.max_step_rate_hz)
-                as u32,
+            longest_pause_pulses,
+            least_gap_pulses,
             target: None,
             position: 0,
             homing: Homing::None,
@@ -136,6 +134,16 @@ where
         self.homing = Homing::Seeking;
         self.homing_steps_left = libm::roundf(homing_travel_mm * steps_per_mm) as u32;
         self.target = None;
+    }
+
+    /// The pins, to operate them.
+    pub const fn pins_mut(&mut self) -> &mut StepPins<Step, Direction, Low, High> {
+        &mut self.pins
+    }
+
+    /// Steps made along the FMC axis, less those against it, from the calibrated position.
+    pub const fn steps(&self) -> i32 {
+        self.position
     }
 
     /// Progress of homing.
@@ -308,6 +316,61 @@ where
             self.homing = Homing::Failed;
         }
     }
+}
+
+impl<Step, Direction, Low, High> FlownDrive for StepDir<Step, Direction, Low, High>
+where
+    Step: OutputPin,
+    Direction: OutputPin,
+    Low: InputPin,
+    High: InputPin,
+{
+    fn is_of(&self, kind: DriveKind) -> bool {
+        kind == DriveKind::Stepper
+    }
+
+    /// The pulse rate is that of the timer: another is refused. Settings of another kind of drive,
+    /// as those of a trial, leave its own as they are.
+    #[expect(
+        clippy::cast_precision_loss,
+        reason = "exact to 16 million steps, more than a stroke has"
+    )]
+    fn set_settings(&mut self, settings: DriveSettings) -> Result<(), OutOfRange> {
+        let settings = settings.checked()?;
+        if self.is_of(settings.kind) {
+            let stepper = settings.stepper;
+            let rate_hz = self.settings.pulse_rate_hz;
+            Quantity::PulseRateHz.check_within(stepper.pulse_rate_hz, rate_hz, rate_hz)?;
+            let place_mm = self.position as f32 / self.settings.steps_per_mm;
+            self.position = nearest(place_mm * stepper.steps_per_mm);
+            [self.longest_pause_pulses, self.least_gap_pulses] = pauses(&stepper);
+            self.settings = stepper;
+            // `reversed` may have changed the meaning of the pin.
+            self.upward = None;
+            self.fault = None;
+        }
+        self.release();
+        Ok(())
+    }
+
+    fn set_reference(&mut self) {
+        self.release();
+        self.position = 0;
+    }
+}
+
+/// Returns the pulses after the last set point for which the stage goes on, and those from a step
+/// to the next at least.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "positive, at most a million"
+)]
+fn pauses(settings: &StepSettings) -> [u32; 2] {
+    [
+        libm::roundf(LONGEST_PAUSE_S * settings.pulse_rate_hz) as u32,
+        libm::ceilf(settings.pulse_rate_hz / settings.max_step_rate_hz) as u32,
+    ]
 }
 
 #[expect(clippy::cast_possible_truncation, reason = "at most 10 million steps")]

@@ -25,6 +25,9 @@ pub struct StepSettings {
     pub homing_speed_mm_s: f32,
     /// Longest way to the low limit switch, mm.
     pub homing_travel_mm: f32,
+    /// σ by which the stage is off the steps that are made, µm: friction by the stiffness of the
+    /// rotor in its field, uneven micro-steps.
+    pub following_sigma_um: f32,
 }
 
 impl Default for StepSettings {
@@ -40,6 +43,7 @@ impl Default for StepSettings {
             homing_offset_mm: -2.2,
             homing_speed_mm_s: 1.0,
             homing_travel_mm: 10.0,
+            following_sigma_um: 5.0,
         }
     }
 }
@@ -58,6 +62,7 @@ impl StepSettings {
         let fastest = rate / self.steps_per_mm;
         Quantity::HomingSpeedMmS.check_within(self.homing_speed_mm_s, 1e-3, fastest)?;
         Quantity::HomingTravelMm.check(self.homing_travel_mm)?;
+        Quantity::FollowingSigmaUm.check(self.following_sigma_um)?;
         Ok(self)
     }
 }

@@ -144,8 +144,8 @@ impl VelocityLoop {
     }
 }
 
-/// Limits a value to ± a bound; `f32::clamp` panics if a limit is not a number.
-fn limited(value: f32, max: f32) -> f32 {
+/// Limits a value to ± a bound; a NaN stays one. `f32::clamp` panics if a limit is not a number.
+pub(super) fn limited(value: f32, max: f32) -> f32 {
     if value > max {
         max
     } else if value < -max {

@@ -91,6 +91,11 @@ impl Stage {
         self.acceleration_mm_s2
     }
 
+    /// Largest speed, mm/s; that of its range if it is not limited.
+    pub(crate) const fn max_speed_mm_s(&self) -> f32 {
+        self.max_speed_mm_s
+    }
+
     /// Returns the travel of one exposure, from the best start of the run-up to the stop.
     ///
     /// # Model

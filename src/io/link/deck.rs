@@ -329,6 +329,7 @@ impl From<NotFlyable> for Refusal {
             NotFlyable::Controller(ControllerError::Settings(error)) => Self::Settings(error),
             NotFlyable::Controller(ControllerError::Travel(error)) => Self::Travel(error),
             NotFlyable::NoRowClock => Self::NoRowClock,
+            NotFlyable::OtherDrive(asked) => Self::OtherDrive(asked),
         }
     }
 }

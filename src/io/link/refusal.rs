@@ -8,6 +8,7 @@ use super::{CALIBRATION_CAPACITY, MAX_POINTS};
 use crate::flight::bring_up::NotTried;
 use crate::flight::camera::FrameError;
 use crate::flight::controller::state::State;
+use crate::flight::drive::kind::DriveKind;
 use crate::flight::grid_memory::GridMemoryError;
 use crate::geometry::calibration::CalibrationError;
 use crate::geometry::estimation::fit::FitError;
@@ -162,6 +163,8 @@ pub enum Refusal {
     NoInputs,
     /// The trial is refused.
     NotTried(NotTried),
+    /// The settings are for this kind of drive, which the board does not have.
+    OtherDrive(DriveKind),
 }
 
 impl fmt::Display for Refusal {
@@ -251,6 +254,10 @@ impl fmt::Display for Refusal {
             ),
             Self::NoInputs => f.write_str("it is on a test rig, which has no lines"),
             Self::NotTried(error) => error.fmt(f),
+            Self::OtherDrive(asked) => write!(
+                f,
+                "the settings are for {asked}, which its board does not have"
+            ),
         }
     }
 }

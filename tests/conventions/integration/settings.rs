@@ -1,7 +1,9 @@
 //! The settings of a flight: defaults and ranges.
 
 use fmc_camera::flight::drive::loop_settings::LoopSettings;
+use fmc_camera::flight::drive::position_command_settings::PositionCommandSettings;
 use fmc_camera::flight::drive::settings::DriveSettings;
+use fmc_camera::flight::drive::step_settings::StepSettings;
 use fmc_camera::flight::input_settings::InputSettings;
 use fmc_camera::flight::settings::FlightSettings;
 use fmc_camera::flight::vh::{ChannelSettings, VhSettings};
@@ -21,7 +23,7 @@ macro_rules! settings {
     };
 }
 
-const SETTINGS: [(&str, Field); 34] = settings![
+const SETTINGS: [(&str, Field); 53] = settings![
     exposure_s,
     smear_budget_px,
     speed_tolerance_percent,
@@ -52,6 +54,25 @@ const SETTINGS: [(&str, Field); 34] = settings![
     drive.velocity_loop.learning_rate_per_s,
     drive.velocity_loop.reading_age_s,
     drive.velocity_loop.duty_delay_s,
+    drive.position_command.command_travel_um,
+    drive.position_command.command_zero,
+    drive.position_command.max_command,
+    drive.position_command.lag_s,
+    drive.position_command.acceleration_lag_s2,
+    drive.position_command.correction_rate_per_s,
+    drive.position_command.max_correction_um,
+    drive.position_command.sensor_zero_counts,
+    drive.position_command.sensor_least_counts,
+    drive.position_command.sensor_most_counts,
+    drive.position_command.sensor_noise_um,
+    drive.position_command.sensor_frozen_s,
+    drive.stepper.steps_per_mm,
+    drive.stepper.pulse_rate_hz,
+    drive.stepper.max_step_rate_hz,
+    drive.stepper.homing_offset_mm,
+    drive.stepper.homing_speed_mm_s,
+    drive.stepper.homing_travel_mm,
+    drive.stepper.following_sigma_um,
     inputs.shortest_pulse_ns,
     inputs.shortest_track_ns,
     inputs.receiver_baud,
@@ -76,7 +97,7 @@ fn defaults_and_ranges_are_those_of_the_code() {
         let default = *field(&mut FlightSettings::default());
         // The document has six digits.
         let apart = (shown - default).abs();
-        assert!(apart <= 2e-6 * default, "{name} = {default}");
+        assert!(apart <= 2e-6 * default.abs(), "{name} = {default}");
         for end in [least, most] {
             assert!(is_believed(field, end), "{name} = {end}");
         }
@@ -87,6 +108,36 @@ fn defaults_and_ranges_are_those_of_the_code() {
 }
 
 /// Does not compile with an additional field, which belongs in the document, too.
+const fn fields_of_other_drives(settings: &DriveSettings) {
+    let PositionCommandSettings {
+        command_travel_um: _,
+        command_zero: _,
+        max_command: _,
+        lag_s: _,
+        acceleration_lag_s2: _,
+        correction_rate_per_s: _,
+        max_correction_um: _,
+        sensor_zero_counts: _,
+        sensor_least_counts: _,
+        sensor_most_counts: _,
+        sensor_noise_um: _,
+        sensor_frozen_s: _,
+    } = &settings.position_command;
+    let StepSettings {
+        steps_per_mm: _,
+        reversed: _,
+        pulse_rate_hz: _,
+        max_step_rate_hz: _,
+        setup_pulses: _,
+        limit_closed_low: _,
+        homing_offset_mm: _,
+        homing_speed_mm_s: _,
+        homing_travel_mm: _,
+        following_sigma_um: _,
+    } = &settings.stepper;
+}
+
+/// As above.
 #[test]
 fn settings_without_a_range_are_named() {
     let FlightSettings {
@@ -131,6 +182,9 @@ fn settings_without_a_range_are_named() {
                     },
                 index_mm: _,
                 index_sigma_um: _,
+                kind: _,
+                position_command: _,
+                stepper: _,
             },
         inputs:
             InputSettings {
@@ -148,6 +202,7 @@ fn settings_without_a_range_are_named() {
             },
         flies_on_after_reset: _,
     } = FlightSettings::default();
+    fields_of_other_drives(&DriveSettings::default());
     for name in [
         "`direction`",
         "`encoder_survives_brown_out`",
@@ -156,6 +211,10 @@ fn settings_without_a_range_are_named() {
         "`drive.encoder_side`",
         "`drive.motor_reversed`",
         "`drive.index_mm`",
+        "`drive.kind`",
+        "`drive.stepper.reversed`",
+        "`drive.stepper.setup_pulses`",
+        "`drive.stepper.limit_closed_low`",
         "`inputs.trigger`",
         "`inputs.time_pulse`",
         "`inputs.shutter_opened`",

@@ -4,6 +4,7 @@ use fmc_camera::flight::bring_up::{NotTried, Trial, TrialEnd};
 use fmc_camera::flight::calibration_id::Storage;
 use fmc_camera::flight::camera::{CameraParameters, FrameError, Mechanism};
 use fmc_camera::flight::controller::state::State;
+use fmc_camera::flight::drive::kind::DriveKind;
 use fmc_camera::flight::drive::settings::EncoderSide;
 use fmc_camera::flight::event::{Action, Command, Event, ShutterEdge, Supply};
 use fmc_camera::flight::exposure::{CorrectionModel, FlightDirection};
@@ -58,6 +59,7 @@ pub(super) fn registry() -> Registry {
         Command,
         CorrectionModel,
         DistortError,
+        DriveKind,
         Edge,
         EncoderSide,
         Ending,

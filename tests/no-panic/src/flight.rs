@@ -11,7 +11,10 @@ use fmc_camera::flight::{
         FmcDrive,
         enabled_drive::EnabledDrive,
         flown_drive::FlownDrive,
+        kind::DriveKind,
         loop_settings::{LoopSettings, Plant},
+        position_command::PositionCommand,
+        position_command_settings::PositionCommandSettings,
         pwm_encoder::PwmEncoder,
         quadrature::{QuadratureCounter, QuadratureDecoder, WideCount},
         rig::RigDrive,
@@ -54,6 +57,7 @@ type Deck = FlownDeck<RigDrive>;
 type Decoder = QuadratureDecoder<Pin, Pin>;
 type Motor = PwmEncoder<Pin, Pin, Decoder>;
 type Enabled = EnabledDrive<Motor, Pin>;
+type Position = PositionCommand<Pin, Pin>;
 type Stamps = Ring<u32, 8>;
 type Stepper = StepDir<Pin, Pin, Pin, Pin>;
 
@@ -295,6 +299,9 @@ pub(crate) fn keep() {
         VelocityLoop::restart,
         VelocityLoop::duty,
         DriveSettings::checked,
+        DriveSettings::is_absolute,
+        DriveSettings::is_stepped,
+        DriveKind::name,
         Motor::new,
         Motor::unprepared,
         Motor::set_position,
@@ -311,6 +318,20 @@ pub(crate) fn keep() {
         Enabled::release,
         Enabled::set_settings,
         Enabled::set_reference,
+        PositionCommandSettings::checked,
+        Position::new,
+        Position::unprepared,
+        Position::is_powered,
+        Position::output_mut,
+        Position::sensor_mut,
+        Position::position,
+        Position::follow,
+        Position::release,
+        Position::is_of,
+        Position::set_settings,
+        Position::push,
+        Position::asked_duty,
+        Position::set_reference,
         WideCount::new,
         WideCount::extend,
         WideCount::near,
@@ -337,5 +358,10 @@ pub(crate) fn keep() {
         Stepper::position,
         Stepper::follow,
         Stepper::release,
+        Stepper::pins_mut,
+        Stepper::steps,
+        Stepper::is_of,
+        Stepper::set_settings,
+        Stepper::set_reference,
     ];
 }

@@ -76,6 +76,9 @@ pub(super) const fn meaning(flag: Flag) -> &'static str {
         Flag::AttitudeSilent => {
             "attitudes have come, but none within ATTITUDE_WITHIN_S of the exposure"
         }
+        Flag::NotMeasured => {
+            "nothing measures the stage: the motion is that of the steps that were made"
+        }
         Flag::VhUnconfirmed => {
             "V/H comes from a source that has jumped and that no other has confirmed"
         }

@@ -3,17 +3,21 @@
 
 mod fault;
 mod history;
+mod hysteresis;
 mod index_mark;
 mod motion;
+mod position_stage;
 mod settings;
 
 use std::collections::VecDeque;
 
 pub use fault::{Injection, MechanicalFault};
 pub use history::Instant;
+pub use position_stage::PositionStage;
 pub use settings::{EncoderSide, LONGEST_SUBSTEP_S, MechanicsSettings, Stepper};
 
 use history::History;
+use hysteresis::Hysteresis;
 use index_mark::IndexMark;
 use motion::{Forces, Motion};
 
@@ -48,6 +52,8 @@ pub struct Mechanics {
     steps: VecDeque<(f64, i8)>,
     /// Steps that a stepper's field has made.
     field_steps: i64,
+    /// Hysteresis and creep of a stage that follows a position command.
+    hysteresis: Hysteresis,
     history: History,
     /// The count about which a reversed encoder counts backwards.
     pivot: Option<i64>,
@@ -60,6 +66,8 @@ pub struct Mechanics {
     ahead_now: i64,
     /// Position of the middle of count 0, µm.
     phase_um: f64,
+    /// Error of the newest reading of an absolute sensor, µm.
+    noise_um: f64,
     /// Source of the encoder's jitter.
     noise: Noise,
     index: IndexMark,
@@ -115,6 +123,7 @@ impl Mechanics {
             orders: VecDeque::new(),
             steps: VecDeque::new(),
             field_steps: 0,
+            hysteresis: Hysteresis::default(),
             history: History::new(start, settings.history_s),
             pivot: None,
             shift: 0,
@@ -122,6 +131,7 @@ impl Mechanics {
             ahead_since: 0,
             ahead_now: 0,
             phase_um: settings.encoder_phase_um.unwrap_or(phase_um),
+            noise_um: 0.0,
             noise,
             index: IndexMark::new(),
             latched: None,
@@ -198,6 +208,9 @@ impl Mechanics {
     /// Returns the encoder's count as the camera would read it now.
     pub fn encoder_count(&mut self) -> i32 {
         let [jitter_s] = self.noise.next([self.settings.encoder_jitter_s]);
+        if let Some(stage) = &self.settings.position_stage {
+            [self.noise_um] = self.noise.next([stage.sensor_noise_um]);
+        }
         self.count_at(self.time_s - jitter_s)
     }
 
@@ -238,6 +251,10 @@ impl Mechanics {
 
     /// Returns the play at a time, µm.
     fn play_um(&self, time_s: f64) -> f64 {
+        if self.settings.position_stage.is_some() {
+            // There is no screw.
+            return 0.0;
+        }
         let grown_um = self
             .injections
             .iter()
@@ -275,6 +292,11 @@ impl Mechanics {
     /// Returns the counts lost until a time.
     #[expect(clippy::cast_possible_truncation, reason = "some millions of counts")]
     fn lost_counts(&self, time_s: f64) -> i64 {
+        (self.lost_um(time_s) / self.settings.encoder_step_um).round() as i64
+    }
+
+    /// Returns what the counts lost until a time are, µm.
+    fn lost_um(&self, time_s: f64) -> f64 {
         let lost_um = self
             .injections
             .iter()
@@ -282,7 +304,7 @@ impl Mechanics {
                 MechanicalFault::CountsLost { um } => um * injection.part(time_s),
                 _ => 0.0,
             });
-        (lost_um.sum::<f64>() / self.settings.encoder_step_um).round() as i64
+        lost_um.sum()
     }
 
     /// Returns the state of the low and of the high limit switch; `true` if closed.
@@ -313,8 +335,8 @@ impl Mechanics {
         self.active().any(is_it)
     }
 
-    /// Returns the forces of the motor and of friction at this time.
-    fn forces(&self) -> Forces {
+    /// Returns duty, power and jam, N, at this time, with what faults make of them.
+    fn drive(&self) -> (f64, bool, f64) {
         let Order {
             mut duty,
             mut powered,
@@ -336,13 +358,19 @@ impl Mechanics {
                 | MechanicalFault::LimitStuck => {}
             }
         }
+        (sign * duty, powered, jam_n)
+    }
+
+    /// Returns the forces of the motor and of friction at this time.
+    fn forces(&self) -> Forces {
+        let (duty, powered, jam_n) = self.drive();
         let settings = &self.settings;
         if let Some(stepper) = &settings.stepper {
             return self.forces_of_stepper(stepper, jam_n);
         }
         Forces {
             motor_n: if powered {
-                sign * duty * settings.force_n
+                duty * settings.force_n
             } else {
                 0.0
             },
@@ -362,7 +390,9 @@ impl Mechanics {
         reason = "a stroke has less than 2^53 steps"
     )]
     fn forces_of_stepper(&self, stepper: &Stepper, jam_n: f64) -> Forces {
-        let field_mm = self.field_steps as f64 / stepper.steps_per_mm;
+        let made_mm = self.field_steps as f64 / stepper.steps_per_mm;
+        // Steps that are lost are counted as made, as lost counts are those of an encoder.
+        let field_mm = made_mm - 1e-3 * self.lost_um(self.time_s);
         let pull_n = stepper.stiffness_n_mm * (field_mm - self.motion.position_mm);
         Forces {
             motor_n: pull_n.clamp(-self.settings.force_n, self.settings.force_n),
@@ -371,9 +401,34 @@ impl Mechanics {
         }
     }
 
+    /// Returns the motion of a stage that follows a position command, a step in time later. Without
+    /// power its flexures bring it to command 0; one that is jammed stands.
+    fn followed(&mut self, stage: &PositionStage, step_s: f64) -> Motion {
+        let (command, powered, jam_n) = self.drive();
+        let command = if powered { command } else { 0.0 };
+        let moved = self.hysteresis.after(stage, self.motion, command, step_s);
+        let [low, high] = self.settings.end_stops_mm;
+        let position_mm = moved.position_mm.clamp(low, high);
+        if jam_n > 0.0 || (moved.position_mm - position_mm).abs() > 0.0 {
+            return Motion {
+                position_mm: if jam_n > 0.0 {
+                    self.motion.position_mm
+                } else {
+                    position_mm
+                },
+                speed_mm_s: 0.0,
+            };
+        }
+        moved
+    }
+
     fn substep(&mut self, until_s: f64) {
         let step_s = until_s - self.time_s;
-        self.motion = self.motion.after(&self.settings, self.forces(), step_s);
+        self.motion = if let Some(stage) = self.settings.position_stage {
+            self.followed(&stage, step_s)
+        } else {
+            self.motion.after(&self.settings, self.forces(), step_s)
+        };
         let screw_mm = self.motion.position_mm;
         let ahead_mm = 1e-3 * self.play_um(until_s);
         let [from_s, from_mm] = [self.time_s, self.stage_mm];
@@ -404,6 +459,6 @@ impl Mechanics {
             EncoderSide::Stage => instant.stage_mm,
         });
         let step_um = settings.encoder_step_um * (1.0 + 1e-6 * settings.encoder_scale_ppm);
-        ((1e3 * offset_mm - self.phase_um) / step_um).round() as i64
+        ((1e3 * offset_mm - self.phase_um + self.noise_um) / step_um).round() as i64
     }
 }

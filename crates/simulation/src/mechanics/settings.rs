@@ -1,6 +1,9 @@
 //! Parameters of the stage's mechanics.
 
+use fmc_camera::flight::drive::kind::DriveKind;
 use serde::Deserialize;
+
+use super::position_stage::PositionStage;
 
 /// A stage with its motor, screw, encoder and end stops; masses and forces are reduced to the
 /// moving stage.
@@ -53,6 +56,9 @@ pub struct MechanicsSettings {
     pub limits_mm: [f64; 2],
     /// Stepper in place of the motor; its largest force is `force_n`.
     pub stepper: Option<Stepper>,
+    /// Stage that follows a position command in place of motor and screw, with an absolute sensor
+    /// as the encoder.
+    pub position_stage: Option<PositionStage>,
     /// Longest integration step, s.
     pub substep_s: f64,
     /// Time for which the motion is remembered, s.
@@ -125,6 +131,7 @@ impl Default for MechanicsSettings {
             end_stops_mm: [-2.5, 2.5],
             limits_mm: [-2.2, 2.2],
             stepper: None,
+            position_stage: None,
             substep_s: 2e-5,
             history_s: 2.0,
         }
@@ -135,6 +142,18 @@ impl Default for MechanicsSettings {
 pub const LONGEST_SUBSTEP_S: f64 = 5e-5;
 
 impl MechanicsSettings {
+    /// Kind of the camera's drive.
+    #[must_use]
+    pub const fn drive_kind(&self) -> DriveKind {
+        if self.position_stage.is_some() {
+            DriveKind::PositionCommand
+        } else if self.stepper.is_some() {
+            DriveKind::Stepper
+        } else {
+            DriveKind::Motor
+        }
+    }
+
     /// Returns the settings if a stage can be built from them.
     ///
     /// # Errors
@@ -195,8 +214,12 @@ impl MechanicsSettings {
                 ("stepper.damping_n_s_m", stepper.damping_n_s_m, 0.0, 2000.0),
             ]
         });
+        if self.stepper.is_some() && self.position_stage.is_some() {
+            return Err("stepper and position_stage exclude each other".to_owned());
+        }
         let of_stepper = of_stepper.into_iter().flatten();
-        let all = ranges.into_iter().chain(of_stepper);
+        let of_stage = self.position_stage.iter().flat_map(PositionStage::ranges);
+        let all = ranges.into_iter().chain(of_stepper).chain(of_stage);
         for (name, value, least, most) in all {
             if !(value >= least && value <= most) {
                 return Err(format!("{name} = {value} is outside {least} to {most}"));

@@ -71,12 +71,6 @@ pub trait FlyingDevice {
     /// An error if the connection to the camera fails.
     fn instruments(&mut self) -> Result<InstrumentCounters, Self::Error>;
 
-    /// Removes and returns the steps that the drive of a stepper makes from the last round to the
-    /// next: times after the round, s, and directions, 1 along the FMC axis and -1 against it.
-    fn steps(&mut self) -> Vec<(f64, i8)> {
-        Vec::new()
-    }
-
     /// Returns the oldest record that has at least this number and was not acknowledged.
     ///
     /// # Errors
@@ -132,10 +126,6 @@ impl<D: FlyingDevice + ?Sized> FlyingDevice for &mut D {
 
     fn instruments(&mut self) -> Result<InstrumentCounters, Self::Error> {
         (**self).instruments()
-    }
-
-    fn steps(&mut self) -> Vec<(f64, i8)> {
-        (**self).steps()
     }
 
     fn frame_record(&mut self, from_sequence: u32) -> Result<Option<FrameRecord>, Self::Error> {

@@ -259,7 +259,7 @@ impl<D: FlyingDevice> Flight<D> {
             None => self.device.step(&step)?,
         };
         let round_s = self.mechanics.time_s();
-        let steps = self.device.steps().into_iter();
+        let steps = self.wiring.steps(f64::from(answer.duty));
         self.mechanics
             .add_steps(steps.map(|(after_s, step)| (round_s + after_s, step)));
         self.setpoint = self.device.setpoint(Time::from_us(now_us));

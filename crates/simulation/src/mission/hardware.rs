@@ -1,5 +1,6 @@
 //! Hardware of a scenario, and what the camera's settings say of it.
 
+use fmc_camera::flight::drive::kind::DriveKind;
 use fmc_camera::flight::drive::settings::EncoderSide;
 use fmc_camera::flight::exposure::FlightDirection;
 use fmc_camera::flight::settings::FlightSettings;
@@ -32,6 +33,7 @@ pub(super) fn agree(
     text: &TomlText,
 ) -> Result<FlightSettings, InputError> {
     let mut settings = file.settings;
+    agree_on_kind(written, &settings, file, text)?;
     // The operator tells the camera its exposure and its direction, where the settings do not.
     if !file.has(&["exposure_s"]) {
         settings.exposure_s = fmc_camera_file::number::single(written.flight.exposure_s);
@@ -118,6 +120,32 @@ pub(super) fn agree(
         }
     }
     Ok(settings)
+}
+
+/// Refuses settings for another kind of drive than the scenario's. How far a command or a step
+/// leads, the scenario may have otherwise than the settings: they do not know it better.
+fn agree_on_kind(
+    written: &MissionFile,
+    settings: &FlightSettings,
+    file: &FlightSettingsFile,
+    text: &TomlText,
+) -> Result<(), InputError> {
+    let (kind, scenario) = (settings.drive.kind, written.mechanics.drive_kind());
+    if kind == scenario {
+        return Ok(());
+    }
+    let what = format!("drive.kind = \"{kind:?}\"");
+    let named = |kind| match kind {
+        DriveKind::Motor => None,
+        DriveKind::PositionCommand => Some("position_stage"),
+        DriveKind::Stepper => Some("stepper"),
+    };
+    if let Some(key) = named(scenario) {
+        return Err(contradicts(text, &["mechanics", key], &what, file));
+    }
+    let key = named(kind).unwrap_or_default();
+    let missing = format!("lacks {key}, for {what} of {}", file.name);
+    Err(text.invalid(&["mechanics"], &missing))
 }
 
 /// Gives the scenario the index mark of the settings, where it does not describe its own.

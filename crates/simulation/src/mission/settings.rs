@@ -1,7 +1,9 @@
 //! Settings of the camera for the aircraft, the shutter and the stage.
 
 use fmc_camera::flight::drive::loop_settings::{LoopSettings, Plant};
+use fmc_camera::flight::drive::position_command_settings::PositionCommandSettings;
 use fmc_camera::flight::drive::settings::{DriveSettings, EncoderSide};
+use fmc_camera::flight::drive::step_settings::StepSettings;
 use fmc_camera::flight::exposure::FlightDirection;
 use fmc_camera::flight::settings::FlightSettings;
 use fmc_camera::flight::vh::{ChannelSettings, VhSettings};
@@ -44,10 +46,14 @@ pub fn flight_settings(written: &MissionFile, interval_s: f64) -> FlightSettings
                     .hypot(written.mechanics.encoder_jitter_s),
             ),
             velocity_loop: velocity_loop(&written.mechanics),
-            // Steps of a stepper are counted where they are made: there is nothing to be latched.
-            index_mm: (written.mechanics.has_index && written.mechanics.stepper.is_none())
+            index_mm: written
+                .mechanics
+                .has_index
                 .then(|| single(written.mechanics.index_mm)),
             index_sigma_um: single(written.mechanics.index_noise_um),
+            kind: written.mechanics.drive_kind(),
+            position_command: position_command(&written.mechanics),
+            stepper: stepper(&written.mechanics),
             ..DriveSettings::default()
         },
         ..FlightSettings::default()
@@ -72,6 +78,47 @@ fn velocity_loop(mechanics: &MechanicsSettings) -> LoopSettings {
             damping_n_s_m: single(mechanics.back_emf_n_s_m + mechanics.viscous_n_s_m),
             friction_n: single(mechanics.coulomb_n),
         })
+    }
+}
+
+/// Returns the steps of a stage with a stepper, which is off them by as much as the field pulls at
+/// most.
+fn stepper(mechanics: &MechanicsSettings) -> StepSettings {
+    let Some(stepper) = &mechanics.stepper else {
+        return StepSettings::default();
+    };
+    StepSettings {
+        steps_per_mm: single(stepper.steps_per_mm),
+        pulse_rate_hz: single(stepper.pulse_rate_hz),
+        max_step_rate_hz: single(stepper.max_step_rate_hz),
+        following_sigma_um: single(1e3 * mechanics.force_n / stepper.stiffness_n_mm),
+        ..StepSettings::default()
+    }
+}
+
+/// Returns what an engineer knows of a stage that follows a position command: not by how much its
+/// travel is wrong, nor its hysteresis and creep. Its sensor reads 10 % beyond the end stops.
+fn position_command(mechanics: &MechanicsSettings) -> PositionCommandSettings {
+    let Some(stage) = &mechanics.position_stage else {
+        return PositionCommandSettings::default();
+    };
+    let [least, most] = mechanics
+        .end_stops_mm
+        .map(|stop_mm| single(1100.0 * stop_mm / mechanics.encoder_step_um));
+    PositionCommandSettings {
+        command_travel_um: single(stage.travel_um),
+        lag_s: single(stage.lag_s()),
+        acceleration_lag_s2: single(stage.acceleration_lag_s2()),
+        sensor_least_counts: least,
+        sensor_most_counts: most,
+        sensor_noise_um: single(stage.sensor_noise_um),
+        sensor_frozen_s: if stage.sensor_noise_um < mechanics.encoder_step_um {
+            0.0
+        } else {
+            PositionCommandSettings::default().sensor_frozen_s
+        },
+        max_correction_um: single(0.2 * stage.travel_um),
+        ..PositionCommandSettings::default()
     }
 }
 

@@ -41,10 +41,14 @@ impl FrameMachine {
         let mut sigma = measured.sigma;
         if setup.camera.has_stage() {
             let drive = &setup.settings.drive;
-            if !stage.index.is_referenced(drive) || stage.play_watch.disagrees() {
+            let is_counted = !drive.is_absolute();
+            if drive.is_stepped() && !flags.contains(Flag::PlannedMotion) {
+                flags.insert(Flag::NotMeasured);
+            }
+            if is_counted && (!stage.index.is_referenced(drive) || stage.play_watch.disagrees()) {
                 flags.insert(Flag::Unreferenced);
             }
-            if !flags.contains(Flag::PlannedMotion) {
+            if is_counted && !flags.contains(Flag::PlannedMotion) {
                 // The mark may have been crossed since the readings.
                 let passed_mm = setup.stage_tolerance().unseen_mm();
                 sigma.common_mm = stage.index.sigma_mm(sigma.common_mm, drive, passed_mm);

@@ -50,7 +50,7 @@ impl StageMachine {
         let drive = &setup.settings.drive;
         let shutter = setup.camera.shutter();
         let motion = PrincipalPointMotion::from_samples(&path.samples, exposure_s, shutter).ok()?;
-        let step_mm = 1e-3 * drive.encoder_step_um;
+        let step_mm = 1e-3 * drive.coarseness_um();
         // The encoder's own steps do not count as wander.
         let wander_mm = (path.wander_mm - step_mm).max(0.0);
         let share = (longest_gap_s / exposure_s).min(1.0);
@@ -85,14 +85,17 @@ impl StageMachine {
 ///
 /// # Model
 /// With q the encoder's step, v the speed, n - 1 the number of intervals between readings in the
-/// exposure (`read`) and c̄ the centroid's offset: of the frame
-/// `q²/(12·n) + (v·σ_t)²`, common to the flight `q²/12 + σ_0² + (s·c̄)² + (v·σ_a)² + σ_p²`. A
+/// exposure (`read`) and c̄ the centroid's offset: of the frame `q²/(12·n) + σ_n²/N + (v·σ_t)²`,
+/// common to the flight `q²/12 + σ_0² + (s·c̄)² + (v·σ_a)² + σ_p²`. A
 /// reading is wrong by up to half a step; n readings of a stage that moves on by a step or more
 /// from one to the next are wrong independently. The phase of the steps to the calibrated position
 /// is the same for all frames, as are σ of the zero `σ_0`, of the scale s, of the readings' age
 /// `σ_a` and of the play `σ_p`. `σ_t` is [`STAMP_SIGMA_S`]. Counts that may be lost unseen are
 /// added by [`IndexWatch`](crate::flight::index_watch::IndexWatch), with the record, and readings
-/// that have moved at rest by [`StageRest`](crate::flight::stage_rest::StageRest).
+/// that have moved at rest by [`StageRest`](crate::flight::stage_rest::StageRest). An absolute
+/// sensor loses none; it has the noise `σ_n` in each reading, moved or not, of which the mean by
+/// the trapezoidal rule over N = n - 1 intervals keeps `σ_n²/N`. A stage that nothing measures is
+/// off its steps by `following_sigma_um`, common to the flight.
 fn sigma_of_readings(
     drive: &DriveSettings,
     motion: &PrincipalPointMotion,
@@ -106,12 +109,18 @@ fn sigma_of_readings(
     let moved_steps = libm::fabsf(motion.travel_mm) / step_mm;
     let readings = 1.0 + read.min(moved_steps);
     let step_variance = square(step_mm) / 12.0;
-    let frame_variance = step_variance / readings + square(speed_mm_s * STAMP_SIGMA_S);
-    let common_variance = step_variance
+    let mut frame_variance = step_variance / readings + square(speed_mm_s * STAMP_SIGMA_S);
+    if drive.is_absolute() {
+        frame_variance += square(1e-3 * drive.position_command.sensor_noise_um) / read.max(1.0);
+    }
+    let mut common_variance = step_variance
         + square(1e-3 * drive.zero_sigma_um)
         + square(1e-6 * drive.encoder_scale_ppm * motion.centroid_mm)
         + square(speed_mm_s * drive.reading_age_sigma_s)
         + square(play_sigma_mm);
+    if drive.is_stepped() {
+        common_variance += square(1e-3 * drive.stepper.following_sigma_um);
+    }
     PrincipalPointSigma {
         frame_mm: fmc_camera_kernel::sqrt(frame_variance),
         common_mm: fmc_camera_kernel::sqrt(common_variance),

@@ -43,8 +43,11 @@ pub(super) struct StageMachine {
     following_error: FollowingErrorRms,
     /// Fault of the stage, until it is cleared; the stage stays released.
     fault: Option<Fault>,
-    /// The encoder has lost its place, until the operator has referred it again.
+    /// The encoder has lost its place, until the operator has referred it again; of an absolute
+    /// sensor, it is not believed until its fault is cleared.
     is_place_lost: bool,
+    /// The sensor shows the place of the stage at any time.
+    is_absolute: bool,
     /// Time of the last reading, or the time from which readings are awaited.
     last_reading: Time,
     /// Position at which the released stage stands, and the time since when.
@@ -97,6 +100,7 @@ impl StageMachine {
                 None
             },
             is_place_lost,
+            is_absolute: false,
             last_reading: Time::START,
             standing_since: None,
             glitches: 0,
@@ -105,6 +109,14 @@ impl StageMachine {
             unconfirmed: Unconfirmed::new(),
             approached_mm: None,
         }
+    }
+
+    /// Takes an absolute sensor in place of an encoder: it has its place at any start. With `rests`
+    /// the stage stays without force until its fault is cleared.
+    pub(super) const fn show_place(&mut self, rests: bool) {
+        self.is_absolute = true;
+        self.is_place_lost = false;
+        self.fault = if rests { Some(Fault::Watchdog) } else { None };
     }
 
     /// Judges a reading that came with an event of a time. Returns `None` if the reading is left
@@ -282,8 +294,10 @@ impl StageMachine {
 
     /// Notes that the encoder has not counted for a while.
     pub(super) const fn lose_place(&mut self) {
-        self.is_place_lost = true;
-        self.fault = Some(Fault::Encoder);
+        if !self.is_absolute {
+            self.is_place_lost = true;
+            self.fault = Some(Fault::Encoder);
+        }
     }
 
     /// Notes that the encoder counts from the calibrated position again.
@@ -297,8 +311,12 @@ impl StageMachine {
         self.fault = self.fault.filter(|fault| *fault != Fault::Encoder);
     }
 
-    /// Clears the fault. A place that is lost stays lost.
+    /// Clears the fault. A place that is lost stays lost, unless the sensor is absolute: it is
+    /// believed again.
     pub(super) fn clear_fault(&mut self) {
+        if self.is_absolute && core::mem::take(&mut self.is_place_lost) {
+            self.forget_readings();
+        }
         self.fault = self.is_place_lost.then_some(Fault::Encoder);
     }
 
