@@ -13,6 +13,7 @@ import test_bring_up
 import test_client
 import test_clock
 import test_edges
+import test_exchange
 import test_flight
 import test_force
 import test_memory
@@ -26,7 +27,8 @@ import test_vectors
 CLASSES = (
     test_start.Start, test_force.Force, test_memory.Memory, test_stack.Stack, test_edges.Edges,
     test_shutter.Shutter, test_clock.Clock, test_store.Store, test_client.Client,
-    test_vectors.Vectors, test_bring_up.BringUp, test_shake.Shaking, test_flight.TenSeconds,
+    test_vectors.Vectors, test_bring_up.BringUp, test_shake.Shaking, test_exchange.Exchange,
+    test_flight.TenSeconds,
 )  # fmt: skip
 
 

@@ -146,6 +146,7 @@ fn longest_messages_fit_and_come_back_as_they_went() {
         Request::BeginLoad {
             length: u32::MAX,
             crc: u32::MAX,
+            keeps_flight: true,
         },
         Request::LoadPart(Part {
             crc: u32::MAX,
@@ -240,14 +241,14 @@ fn bytes_on_the_wire_are_those_of_the_description() {
         sequence: 3,
     };
     let request = packet(header, &Request::Connect);
-    // Version 9; session 0x0102, seven bits a byte; number 3; request 0. The zero at the end is
+    // Version 10; session 0x0102, seven bits a byte; number 3; request 0. The zero at the end is
     // COBS's second block.
-    let encoded = [5, 9, 0x82, 2, 3, 1];
+    let encoded = [5, 10, 0x82, 2, 3, 1];
     let checked = [&[0x86, 0x80], &encoded[..]].concat();
     let crc = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(&checked);
     let crc = [0, 7, 14, 21, 28].map(|shift| ((crc >> shift) & 127 | 128).to_le_bytes()[0]);
     assert_eq!(request.bytes(), [&[0], &checked[..], &crc, &[0]].concat());
-    assert_eq!(PROTOCOL_VERSION, 9);
+    assert_eq!(PROTOCOL_VERSION, 10);
     let latest = format!("|---|---|\n| {PROTOCOL_VERSION} |");
     assert!(include_str!("../../CHANGELOG.md").contains(&latest));
 }
@@ -322,10 +323,15 @@ fn requests_and_answers_keep_the_numbers_they_were_given() {
         }),
         ..unsigned.clone()
     };
+    let begin_load = Request::BeginLoad {
+        length: 1,
+        crc: 2,
+        keeps_flight: true,
+    };
     // The number of a request follows version, session and number of the message.
     for (request, number) in vec![
         (Request::Connect, 0),
-        (Request::BeginLoad { length: 1, crc: 2 }, 1),
+        (begin_load, 1),
         (Request::LoadPart(part), 6),
         (Request::Reset(Ending::Forced), 9),
         (Request::Fit, 13),
