@@ -105,8 +105,9 @@ mod tests {
     use super::*;
     use crate::flight::calibration_id::{SerialNumber, Storage};
 
+    /// Returns the identity of a calibration; 0 is one without.
     fn id(crc: u32) -> Option<CalibrationId> {
-        Some(CalibrationId {
+        (crc != 0).then_some(CalibrationId {
             serial: SerialNumber::EMPTY,
             version: 0,
             crc,
@@ -121,9 +122,9 @@ mod tests {
         calibrations.exchange(id(1), 0, 1);
         assert_eq!(calibrations.of(1), id(1));
         calibrations.exchange(id(2), 5, 1);
-        calibrations.exchange(None, 5, 1);
+        calibrations.exchange(id(0), 5, 1);
         calibrations.exchange(id(4), 7, 1);
-        for (sequence, made_with) in [(1, id(1)), (5, id(1)), (6, None), (7, None), (8, id(4))] {
+        for (sequence, made_with) in [(1, id(1)), (5, id(1)), (6, id(0)), (7, id(0)), (8, id(4))] {
             assert_eq!(calibrations.of(sequence), made_with, "{sequence}");
         }
         assert_eq!(calibrations.present(), id(4));

@@ -25,10 +25,10 @@ fn fitted() -> CameraParameters {
     camera
 }
 
-fn armed(camera: &CameraParameters, settings: FlightSettings) -> Flight {
+fn armed(camera: &CameraParameters, settings: &FlightSettings) -> Flight {
     let mut flight = Flight::loaded();
     assert!(matches!(flight.pc.load(camera), Answer::Loaded(_)));
-    let prepared = flight.pc.ask(&Request::Prepare(settings));
+    let prepared = flight.pc.ask(&Request::Prepare(*settings));
     assert_eq!(prepared, Answer::Prepared);
     flight.arm();
     flight
@@ -74,7 +74,7 @@ fn corrected_by_both(
 #[test]
 fn focus_shift_that_is_told_is_in_the_frames_after_it_with_the_run_out() {
     let camera = fitted();
-    let mut flight = armed(&camera, FlightSettings::default());
+    let mut flight = armed(&camera, &FlightSettings::default());
     let plain = exposed(&mut flight);
     let run_out_mm = 1.5e-3 * plain.interior.motion.centroid_mm;
     assert!((plain.interior.focus_shift_mm - run_out_mm).abs() < 1e-8);
@@ -103,7 +103,7 @@ fn focus_shift_that_is_told_is_in_the_frames_after_it_with_the_run_out() {
 #[test]
 fn focus_shift_beyond_the_model_is_refused_with_its_trigger_and_at_an_exchange() {
     let camera = fitted();
-    let mut flight = armed(&camera, FlightSettings::default());
+    let mut flight = armed(&camera, &FlightSettings::default());
     // A hundredth of the principal distance, less the run-out in the stroke.
     let parameters = camera.calibration;
     let run_out_um = 1.5 * 0.5 * parameters.stroke_mm;
@@ -161,7 +161,7 @@ fn flight_by_the_fitted_model_says_so_and_corrects_by_it() {
         fitted_model: true,
         ..FlightSettings::default()
     };
-    let mut flight = armed(&camera, settings);
+    let mut flight = armed(&camera, &settings);
     let frame = exposed(&mut flight);
     assert_eq!(frame.interior.model, CorrectionModel::Fitted);
     assert!(frame.interior.enlargement.abs() < f32::MIN_POSITIVE);
@@ -173,6 +173,6 @@ fn flight_by_the_fitted_model_says_so_and_corrects_by_it() {
     let mut other = Flight::loaded();
     assert_eq!(other.pc.ask(&Request::Prepare(settings)), not_fitted);
     // Without the setting the calibration corrects, also of a camera that has one.
-    let mut exact = armed(&camera, FlightSettings::default());
+    let mut exact = armed(&camera, &FlightSettings::default());
     assert_eq!(exposed(&mut exact).interior.model, CorrectionModel::Exact);
 }
