@@ -272,7 +272,7 @@ impl fmt::Display for NotTried {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Prepared => f.write_str(
-                "it is prepared for flight: switch it off and on, or load a calibration, which ends the flight",
+                "it is prepared for flight: switch it off and on, or load a calibration that ends the flight",
             ),
             Self::UnderWay => f.write_str("another trial is under way"),
             Self::LimitSwitch => f.write_str("a limit switch is closed, or its wire is broken"),

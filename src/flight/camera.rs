@@ -353,6 +353,21 @@ impl Camera {
         })
     }
 
+    /// Checks a focus shift that is told for frames to come, µm: with the largest run-out of the
+    /// stage, too, it is within [`MAX_FOCUS_FRACTION`].
+    ///
+    /// # Errors
+    /// [`FrameError::OutOfRange`] with the range.
+    pub(crate) fn check_focus_shift(&self, shift_um: f32) -> Result<(), FrameError> {
+        let parameters = self.calibration.parameters();
+        let run_out_mm = parameters.flatness.largest_mm(0.5 * parameters.stroke_mm);
+        let nearer_mm = lesser(parameters.exit_pupil_mm, parameters.principal_distance_mm);
+        // No shift is always in range.
+        let most_um = 1000.0 * (MAX_FOCUS_FRACTION * nearer_mm - run_out_mm).max(0.0);
+        Quantity::FocusShiftUm.check_within(shift_um, -most_um, most_um)?;
+        Ok(())
+    }
+
     /// Returns Δz of a frame: the exposure mean of the run-out plus the exposure's own focus shift.
     fn focus_shift(
         &self,

@@ -5,7 +5,9 @@ use core::fmt;
 #[cfg(feature = "link")]
 use super::calibration_id::CalibrationId;
 use super::camera::Camera;
-use super::controller::{Controller, ControllerError, Preparation, Setup, Start, checked};
+use super::controller::{
+    Controller, ControllerError, NotExchanged, Preparation, Setup, Start, checked,
+};
 use super::drive::kind::DriveKind;
 use super::drive::settings::DriveSettings;
 use super::settings::FlightSettings;
@@ -54,6 +56,30 @@ impl CameraSlot {
         {
             controller.forget_records();
         }
+        self.camera = Some(camera);
+    }
+
+    /// Checks that a camera may take the place of the one before in its flight; without a flight it
+    /// may.
+    pub(crate) fn check_exchange(&self, camera: &Camera) -> Result<(), NotExchanged> {
+        let (Some(before), Some(preparation), Some(controller)) =
+            (&self.camera, &self.preparation, &self.controller)
+        else {
+            return Ok(());
+        };
+        controller.check_exchange_for(&preparation.of(before), camera)
+    }
+
+    /// Puts a camera that is [checked](Self::check_exchange) in place of the one before, whose
+    /// flight goes on; without a flight as [`Self::load`].
+    pub(crate) fn exchange(&mut self, camera: Camera) {
+        let (Some(preparation), Some(controller)) = (&mut self.preparation, &mut self.controller)
+        else {
+            self.load(camera);
+            return;
+        };
+        preparation.exchange(&camera);
+        controller.exchange(&camera);
         self.camera = Some(camera);
     }
 

@@ -75,6 +75,9 @@ pub enum Command {
     Referenced,
     /// Exposure time of the frames to come, s.
     Exposure(f32),
+    /// Δz of the frames to come beyond the run-out of the stage, µm, positive away from the lens: a
+    /// focus that temperature or pressure has shifted.
+    FocusShift(f32),
 }
 
 /// An edge of the shutter's sensor.

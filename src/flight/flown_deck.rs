@@ -12,7 +12,7 @@ pub use super::camera_slot::NotFlyable;
 use super::clock_drift::ClockDrift;
 use super::control_loop::{self, RoundActions};
 use super::controller::state::State;
-use super::controller::{Controller, Start};
+use super::controller::{Controller, NotExchanged, Start};
 use super::drive::flown_drive::FlownDrive;
 use super::event::{Action, Command, Event, Supply};
 use super::event_queue::EventQueue;
@@ -271,6 +271,26 @@ impl<Drive: FlownDrive> FlownDeck<Drive> {
         self.trials.end(TrialEnd::Loaded);
         self.drive.release();
         self.events.clear();
+    }
+
+    /// Checks that a camera may take the place of the one before in its flight
+    /// ([`Self::exchange`]); without a flight it may.
+    ///
+    /// # Errors
+    /// [`NotExchanged`].
+    pub fn check_exchange(&self, camera: &Camera) -> Result<(), NotExchanged> {
+        self.camera.check_exchange(camera)
+    }
+
+    /// Puts a camera that has been [checked](Self::check_exchange) in place of the one before,
+    /// between two frames. The flight goes on: samples, UTC, counts and records stay, and each
+    /// record names the calibration it was made with. Without a flight as [`Self::load`].
+    pub fn exchange(&mut self, camera: Camera) {
+        if self.controller().is_some() {
+            self.camera.exchange(camera);
+        } else {
+            self.load(camera);
+        }
     }
 
     /// The camera; `None` before one is loaded.

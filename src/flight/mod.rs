@@ -16,6 +16,7 @@ pub mod exposure;
 pub mod fault;
 pub mod findings;
 pub mod flag;
+pub mod flown_calibrations;
 pub mod flown_deck;
 mod following_error_rms;
 pub mod frame_record;

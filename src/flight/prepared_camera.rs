@@ -3,7 +3,9 @@
 use core::mem::MaybeUninit;
 
 use super::camera::Camera;
-use super::controller::{Actions, Controller, ControllerError, Preparation, Setup, Start, checked};
+use super::controller::{
+    Actions, Controller, ControllerError, NotExchanged, Preparation, Setup, Start, checked,
+};
 use super::event::Event;
 use super::settings::FlightSettings;
 use super::time::Time;
@@ -89,6 +91,21 @@ impl PreparedCamera {
     fn begin(&mut self, start: Start) {
         let (setup, controller) = self.flown();
         controller.restart(&setup, start);
+    }
+
+    /// Puts another camera in place of this one, between two frames of the flight, which goes on:
+    /// samples, UTC, counts and records stay, and each record names the calibration it was made
+    /// with.
+    ///
+    /// # Errors
+    /// [`NotExchanged`]; the camera before stays then.
+    pub fn exchange(&mut self, camera: Camera) -> Result<(), NotExchanged> {
+        let (setup, controller) = self.flown();
+        controller.check_exchange_for(&setup, &camera)?;
+        controller.exchange(&camera);
+        self.preparation.exchange(&camera);
+        self.camera = camera;
+        Ok(())
     }
 
     /// Takes an event, and returns the actions that follow from it. Events come in order of their

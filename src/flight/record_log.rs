@@ -28,8 +28,7 @@ pub(crate) struct RecordLog {
     has_unkept: bool,
 }
 
-/// A record without what all records of a log have in common: the calibration, which is the
-/// controller's for all its life.
+/// A record without its calibration, which the controller knows by the record's number.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
 pub(crate) struct Entry {
@@ -52,7 +51,7 @@ impl Entry {
         }
     }
 
-    /// The record, of a camera with this calibration.
+    /// The record, made with this calibration.
     pub(crate) const fn record(&self, calibration: Option<CalibrationId>) -> FrameRecord {
         FrameRecord {
             sequence: self.sequence,
@@ -236,6 +235,16 @@ impl RecordLog {
         self.last_sequence
     }
 
+    /// Number of the oldest record that is not acknowledged; one more than the last where there are
+    /// none.
+    pub(crate) fn first_left(&self) -> u32 {
+        let whole = self.whole.front().map(|place| place.record.sequence);
+        let refused = self.refused.as_ref().map(|range| range.first_sequence);
+        whole
+            .or(refused)
+            .unwrap_or_else(|| self.last_sequence.saturating_add(1))
+    }
+
     /// Returns the oldest record with this number or a higher one.
     ///
     /// It returns `None` also if a pending one comes first.
@@ -291,12 +300,8 @@ impl RecordLog {
 impl RecordLog {
     /// The numbers of the records that are not acknowledged.
     pub(crate) fn extent(&self) -> Extent {
-        let whole = self.whole.front().map(|place| place.record.sequence);
-        let refused = self.refused.as_ref().map(|range| range.first_sequence);
         Extent {
-            first_left: whole
-                .or(refused)
-                .unwrap_or_else(|| self.last_sequence.saturating_add(1)),
+            first_left: self.first_left(),
             last_sequence: self.last_sequence,
             refused: self.refused,
         }

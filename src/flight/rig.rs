@@ -7,7 +7,7 @@ use super::camera::Camera;
 use super::camera_slot::{CameraSlot, NotFlyable};
 use super::control_loop::{self, Events, RoundActions};
 use super::controller::state::State;
-use super::controller::{Controller, Start};
+use super::controller::{Controller, NotExchanged, Start};
 use super::drive::FmcDrive as _;
 use super::drive::rig::RigDrive;
 use super::settings::FlightSettings;
@@ -76,6 +76,21 @@ impl Rig {
     /// flight has ended, and its records are gone.
     pub fn load(&mut self, camera: Camera) {
         self.camera.load(camera);
+    }
+
+    /// Checks that a camera may take the place of the one before in its flight
+    /// ([`Self::exchange`]); without a flight it may.
+    ///
+    /// # Errors
+    /// [`NotExchanged`].
+    pub fn check_exchange(&self, camera: &Camera) -> Result<(), NotExchanged> {
+        self.camera.check_exchange(camera)
+    }
+
+    /// Puts a camera that has been [checked](Self::check_exchange) in place of the one before,
+    /// between two frames of a flight, which goes on; without a flight as [`Self::load`].
+    pub fn exchange(&mut self, camera: Camera) {
+        self.camera.exchange(camera);
     }
 
     /// The camera; `None` before one is loaded.

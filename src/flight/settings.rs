@@ -88,6 +88,9 @@ pub struct FlightSettings {
     /// `true` if a flight that a reset of the camera ends goes on by itself, without force on the
     /// stage.
     pub flies_on_after_reset: bool,
+    /// `true` if the frames are corrected by the five-coefficient model that was fitted to the
+    /// camera, which must have one; otherwise by the exposure mean of the calibration.
+    pub fitted_model: bool,
 }
 
 impl FlightSettings {
@@ -207,6 +210,7 @@ impl Default for FlightSettings {
             drive: DriveSettings::default(),
             inputs: InputSettings::default(),
             flies_on_after_reset: true,
+            fitted_model: false,
         }
     }
 }

@@ -183,6 +183,14 @@ impl Flatness {
             / 1000.0
     }
 
+    /// Returns a bound on |Δz| within `reach_mm` of the calibrated position, mm.
+    #[must_use]
+    pub(crate) fn largest_mm(&self, reach_mm: f32) -> f32 {
+        let [z0, z1, z2, z3, z4] = self.coefficients_um.map(f32::abs);
+        let s = reach_mm;
+        (z0 + s * (z1 + s * (z2 + s * (z3 + s * z4)))) / 1000.0
+    }
+
     /// Returns a bound on |dz/ds| within `reach_mm` of the calibrated position, mm per mm.
     #[must_use]
     pub(crate) fn steepest(&self, reach_mm: f32) -> f32 {

@@ -19,6 +19,7 @@ import test_bring_up
 import test_client
 import test_clock
 import test_edges
+import test_exchange
 import test_flight
 import test_force
 import test_memory
@@ -36,10 +37,10 @@ CLASSES = (
     test_store.Store, test_force.Force, test_flight.TenSeconds, test_shake.Shaking,
     test_start.Start, test_memory.Memory, test_stack.Stack, test_edges.Edges,
     test_shutter.Shutter, test_clock.Clock, test_client.Client, test_vectors.Vectors,
-    test_bring_up.BringUp,
-)
+    test_bring_up.BringUp, test_exchange.Exchange,
+)  # fmt: skip
 # Those that are run by their names alone: they take minutes.
-APART = (test_skips_shutter.ShutterSkips, test_skips_signature.SignatureSkips)  # fmt: skip
+APART = (test_skips_shutter.ShutterSkips, test_skips_signature.SignatureSkips)
 
 
 def main():

@@ -16,6 +16,7 @@ from processor import FLASH, FLASH_BYTES, SYSTICK
 HERE = pathlib.Path(__file__).parent
 CAMERA = HERE.parents[1] / "host-sim/scenarios/cameras/mission.toml"
 SETTINGS = HERE / "flight.toml"
+KEY = CAMERA.parents[2] / "keys/test-private-key.pem"
 MS = CYCLES_PER_S // 1000
 # From a trigger until its record is there.
 FRAME = 250 * MS
@@ -67,8 +68,12 @@ class Flight:
         self.camera("arm")
 
     def fly(self, triggers, vh_per_s):
-        """Gives V/H by a client that stays, and triggers after so many cycles each; returns the
-        records."""
+        """Exposes frames, and returns the records."""
+        self.expose(triggers, vh_per_s)
+        return self.records()
+
+    def expose(self, triggers, vh_per_s):
+        """Gives V/H by a client that stays, and triggers after so many cycles each."""
         board = self.board
         start = board.now
         for after in triggers:
@@ -87,7 +92,6 @@ class Flight:
         # What was on the way when the client ended is no answer for the next.
         board.run(0.05)
         board.pump()
-        return self.records()
 
     def status(self):
         return json.loads(self.camera("status", "--json"))
@@ -100,6 +104,16 @@ class Flight:
             self.board.client(self.host_sim, "records", "--device", device, "--out", out)
             with (out / "records.csv").open(newline="") as file:
                 return list(csv.DictReader(file))
+
+
+def signed(flight, folder, version, text):
+    """Writes a camera file of this version in a folder, and its signature; returns both."""
+    camera, signature = (folder / f"{version}.{kind}" for kind in ("toml", "json"))
+    if not signature.exists():
+        camera.write_text(f'serial = "5282"\nversion = {version}\n' + text)
+        sign = ("sign", "--camera", camera, "--key", KEY, "--out", signature)
+        flight.board.client(flight.host_sim, *sign)
+    return camera, signature
 
 
 def astray(board, code, in_interrupt=False):

@@ -11,10 +11,9 @@ from board import CYCLES_PER_S
 from flash import BANK_2, LOCK, SECTOR, WORD
 from link import Link
 from processor import ACCESS_FAULT, BUS_FAULT, CFSR
-from support import BOOT_S, CAMERA, MS, Flight, astray, start_reason
+from support import BOOT_S, CAMERA, MS, Flight, astray, signed, start_reason
 from unicorn import UC_PROT_READ, UC_PROT_WRITE
 
-KEY = CAMERA.parents[2] / "keys/test-private-key.pem"
 # Longest erasure of a sector in the data sheet, s, and the time after which the driver gives up, ten
 # times the watchdog's.
 LONGEST_ERASURE_S, GIVEN_UP_S = 4.0, 5.0
@@ -58,12 +57,7 @@ class Store(unittest.TestCase):
     def signed(self, flight, version):
         """Returns a camera file of this version, and its signature."""
         folder = pathlib.Path(self.folder.name)
-        camera, signature = (folder / f"{version}.{kind}" for kind in ("toml", "json"))
-        if not signature.exists():
-            number = f'serial = "5282"\nversion = {version}\n'
-            camera.write_text(number + CAMERA.read_text())
-            sign = ("sign", "--camera", camera, "--key", KEY, "--out", signature)
-            flight.board.client(self.host_sim, *sign)
+        camera, signature = signed(flight, folder, version, CAMERA.read_text())
         return "--camera", camera, "--signature", signature
 
     def store(self, flight, version, code=0):

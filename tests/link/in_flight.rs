@@ -3,7 +3,7 @@
 use fmc_camera::flight::controller::state::State;
 use fmc_camera::flight::event::{Action, Command, Event, ShutterEdge};
 use fmc_camera::flight::fault::Fault;
-use fmc_camera::flight::frame_record::Outcome;
+use fmc_camera::flight::frame_record::{FrameRecord, Outcome};
 use fmc_camera::flight::rig::{RigAnswer, RigStep};
 use fmc_camera::flight::settings::FlightSettings;
 use fmc_camera::flight::time::Time;
@@ -12,7 +12,7 @@ use fmc_camera::io::link::after_reset::AfterReset;
 use fmc_camera::io::link::deck::FlightDeck;
 use fmc_camera::io::link::flight_memory::FlightMemory;
 use fmc_camera::io::link::message::{
-    Answer, FetchedRecord, Identity, Refusal, Request, ResetCause,
+    Answer, FetchedRecord, Identity, Refusal, Request, ResetCause, Status,
 };
 use fmc_camera::io::link::station::Station;
 
@@ -117,6 +117,60 @@ impl Flight {
     pub(crate) fn prepare(&mut self) -> Answer {
         self.pc.ask(&Request::Prepare(FlightSettings::default()))
     }
+
+    /// Brings the pulses of ten seconds, each with its name.
+    pub(crate) fn know_utc(&mut self) {
+        for second in 0..10 {
+            for ms in 0..1000 {
+                self.round(match ms {
+                    0 => Some(Event::TimePulse),
+                    200 => Some(Event::GnssTime((FIRST_SECOND + second) * 1_000_000)),
+                    _ => Some(Event::Vh(VhSample::Direct(0.1))),
+                });
+            }
+        }
+    }
+
+    /// Makes no rounds for a time, s.
+    pub(crate) fn pause(&mut self, pause_s: f32) {
+        self.now = self.now.plus_s(pause_s);
+    }
+
+    /// Exposes a frame of the armed camera.
+    pub(crate) fn expose(&mut self) {
+        self.round(Some(Event::Trigger));
+        self.run_until(State::Exposing);
+        self.run_until(State::Armed);
+    }
+
+    pub(crate) fn status(&mut self) -> Status {
+        match self.pc.ask(&Request::Status) {
+            Answer::Status(status) => status,
+            other => panic!("{other:?}"),
+        }
+    }
+
+    /// The records that are left.
+    pub(crate) fn records(&mut self) -> Vec<FrameRecord> {
+        let (mut records, mut next) = (Vec::new(), 0);
+        while let Answer::FrameRecord(Some((record, _))) = self.pc.ask(&Request::FrameRecord(next))
+        {
+            next = record.sequence + 1;
+            records.push(record);
+        }
+        records
+    }
+}
+
+/// Second of the first pulse of [`Flight::know_utc`], since 1970.
+const FIRST_SECOND: u64 = 1_800_000_000;
+
+/// UTC of an exposure less camera time, µs; `None` without UTC.
+pub(crate) fn utc_less_time_us(record: &FrameRecord) -> Option<u64> {
+    let Outcome::Exposed(frame) = record.outcome else {
+        return None;
+    };
+    Some(frame.centroid_utc?.unix_us - frame.centroid.us())
 }
 
 #[test]

@@ -34,7 +34,11 @@ fn principal_distance_mm(pc: &mut Pc) -> f32 {
 fn send_bytes(pc: &mut Pc, bytes: &[u8], crc: u32) -> Answer {
     let length = u32::try_from(bytes.len()).unwrap();
     assert_eq!(
-        pc.ask(&Request::BeginLoad { length, crc }),
+        pc.ask(&Request::BeginLoad {
+            length,
+            crc,
+            keeps_flight: false,
+        }),
         Answer::Loading(0)
     );
     let mut last = None;
@@ -145,8 +149,13 @@ fn part_of_another_load_is_refused_and_the_load_goes_on() {
 fn parameters_and_parts_that_are_too_long_are_refused() {
     let mut pc = Pc::loaded();
     let most = u32::try_from(CALIBRATION_CAPACITY).unwrap();
+    let begin = |length| Request::BeginLoad {
+        length,
+        crc: 1,
+        keeps_flight: false,
+    };
     for length in [0, most + 1, u32::MAX] {
-        let begin = Request::BeginLoad { length, crc: 1 };
+        let begin = begin(length);
         assert_eq!(pc.ask(&begin), refused(Refusal::LoadLength { length }));
     }
     let part = |offset, length| {
@@ -156,7 +165,6 @@ fn parameters_and_parts_that_are_too_long_are_refused() {
             bytes: std::iter::repeat_n(0, length).collect(),
         })
     };
-    let begin = |length| Request::BeginLoad { length, crc: 1 };
     assert_eq!(pc.ask(&begin(60)), Answer::Loading(0));
     assert_eq!(pc.ask(&part(0, 61)), refused(Refusal::PartTooLong));
     assert_eq!(pc.ask(&part(0, 59)), Answer::Loading(59));

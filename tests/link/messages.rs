@@ -146,6 +146,7 @@ fn longest_messages_fit_and_come_back_as_they_went() {
         Request::BeginLoad {
             length: u32::MAX,
             crc: u32::MAX,
+            keeps_flight: true,
         },
         Request::LoadPart(Part {
             crc: u32::MAX,
@@ -322,10 +323,15 @@ fn requests_and_answers_keep_the_numbers_they_were_given() {
         }),
         ..unsigned.clone()
     };
+    let begin_load = Request::BeginLoad {
+        length: 1,
+        crc: 2,
+        keeps_flight: true,
+    };
     // The number of a request follows version, session and number of the message.
     for (request, number) in vec![
         (Request::Connect, 0),
-        (Request::BeginLoad { length: 1, crc: 2 }, 1),
+        (begin_load, 1),
         (Request::LoadPart(part), 6),
         (Request::Reset(Ending::Forced), 9),
         (Request::Fit, 13),

@@ -12,10 +12,12 @@ mod board;
 mod bring_up;
 mod conversation;
 mod damage;
+mod exchange;
 #[cfg(feature = "estimation")]
 mod fit;
 mod flown;
 mod flown_requests;
+mod frame_models;
 mod fuzzed;
 mod grids;
 mod in_flight;

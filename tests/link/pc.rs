@@ -56,8 +56,18 @@ impl<Deck: FlightDeck> Pc<Deck> {
     /// Loads a calibration in all its parts: the answer to the last, or the first refusal.
     pub(crate) fn load(&mut self, record: &CameraParameters) -> Answer {
         let upload = Upload::of(record).unwrap();
+        self.ask_all(upload.requests())
+    }
+
+    /// As [`Self::load`], for the flight that is under way.
+    pub(crate) fn exchange(&mut self, record: &CameraParameters) -> Answer {
+        let upload = Upload::of(record).unwrap();
+        self.ask_all(upload.requests_in_flight())
+    }
+
+    fn ask_all(&mut self, requests: impl Iterator<Item = Request>) -> Answer {
         let mut last = None;
-        for request in upload.requests() {
+        for request in requests {
             let answer = self.ask(&request);
             if let Answer::Refused(_) = answer {
                 return answer;

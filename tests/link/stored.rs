@@ -15,7 +15,7 @@ use fmc_camera::io::store::{
 };
 
 use crate::link::board::Board;
-use crate::link::in_flight::Flight;
+use crate::link::in_flight::{Flight, utc_less_time_us};
 use crate::link::pc::{Pc, SESSION, packet};
 use crate::store::calibrations::{Credulous, calibration, flash_after, order, origin, store_in};
 use crate::store::flash_model::{Cell, Cut, FlashModel};
@@ -200,20 +200,52 @@ fn store_needs_a_store_a_calibration_standby_a_good_supply_and_no_records() {
         Refusal::SupplyLow
     );
     flight.round(Some(Event::Supply(Supply::Good)));
-    flight.round(Some(Event::Trigger));
-    assert_eq!(
-        refused(store(&mut flight.pc, &mut flash, 3)),
-        Refusal::RecordsKept(1)
-    );
     assert_eq!(flash.flash_mut().operations, []);
-    assert_eq!(flight.pc.acknowledge(1), Answer::Kept(0));
     let stored = record(store(&mut flight.pc, &mut flash, 3));
     assert_eq!(identity(&mut flight.pc), Some(stored.id));
-    // The stored calibration is to be prepared for.
-    assert_eq!(
-        flight.pc.ask(&Request::Status),
-        Answer::Refused(Refusal::NotPrepared)
-    );
+}
+
+#[test]
+fn flight_goes_on_with_a_calibration_that_is_stored_and_its_time_after_the_pause() {
+    let mut flash = store_in(FlashModel::blank());
+    let mut flight = Flight::loaded();
+    let _ = flight.pc.station.load_stored(&mut flash);
+    loaded(&mut flight.pc, &calibration(3));
+    assert_eq!(flight.prepare(), Answer::Prepared);
+    flight.arm();
+    flight.know_utc();
+    flight.expose();
+    flight.round(Some(Event::Command(Command::Disarm)));
+    let before = flight.status();
+    let stored = record(store(&mut flight.pc, &mut flash, 3));
+    // The main loop has stood still while a sector was erased.
+    flight.pause(4.0);
+    assert_eq!(flight.round(None).state, State::Standby);
+    let after = flight.status();
+    assert_eq!(after.calibration, Some(stored.id));
+    assert_eq!((after.kept, after.findings), (before.kept, before.findings));
+    assert_eq!(after.counts.triggers, before.counts.triggers);
+    flight.arm();
+    flight.expose();
+    let [first, second] = flight.records()[..] else {
+        panic!("two records");
+    };
+    assert_eq!(first.calibration, before.calibration);
+    assert_eq!(first.calibration.unwrap().storage, Storage::Volatile);
+    assert_eq!(second.calibration, Some(stored.id));
+    assert!(!second.faults.contains(Fault::Clock), "{second:?}");
+    let off_us = [first, second].map(|record| utc_less_time_us(&record).unwrap());
+    assert!(off_us[0].abs_diff(off_us[1]) <= 1, "{off_us:?}");
+
+    // A pause that nobody has told of is a jump of the clock.
+    flight.round(Some(Event::Command(Command::Disarm)));
+    flight.pause(4.0);
+    flight.round(None);
+    flight.arm();
+    flight.expose();
+    let third = flight.records()[2];
+    assert!(third.faults.contains(Fault::Clock), "{third:?}");
+    assert_eq!(utc_less_time_us(&third), None);
 }
 
 #[test]

@@ -349,6 +349,7 @@ impl fmc_flight_settings {
             inputs: InputSettings::default(),
             // It keeps no flight over a reset.
             flies_on_after_reset: FlightSettings::default().flies_on_after_reset,
+            fitted_model: FlightSettings::default().fitted_model,
             exposure_s: self.exposure_s,
             direction: code::direction(self.direction)?,
             smear_budget_px: self.smear_budget_px,

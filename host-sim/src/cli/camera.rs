@@ -45,6 +45,19 @@ pub enum CameraAction {
     /// Set the exposure time of the following frames.
     #[command(after_help = examples::CAMERA_EXPOSURE)]
     Exposure(ExposureTimeArgs),
+    /// Set the focus shift of the following frames, as temperature or pressure make it: it is added
+    /// to the run-out of the stage, corrected, and in `focus_shift_mm` of the records. The next
+    /// `prepare` begins with 0.
+    #[command(after_help = examples::CAMERA_FOCUS_SHIFT)]
+    FocusShift(FocusShiftArgs),
+    /// Put another calibration into use between two frames. The flight that the camera is prepared
+    /// for goes on: UTC, V/H, counts and records stay, and each record names the calibration that
+    /// it was made with.
+    ///
+    /// In standby, or in a fault. A calibration whose mechanism or limits do not fit the settings
+    /// of the flight is refused, and the one before stays.
+    #[command(after_help = examples::CAMERA_RECALIBRATE)]
+    Recalibrate(RecalibrateArgs),
     /// Tell the camera V/H, ground speed over height above ground.
     ///
     /// The camera uses the value for 5 s; with --for it is repeated until that time is over.
@@ -52,10 +65,10 @@ pub enum CameraAction {
     Vh(VhArgs),
     /// Store a calibration in the camera's flash; the camera starts with it from then on.
     ///
-    /// In standby alone, with the supply good and all records fetched. The calibration before stays
-    /// in its slot until the new one has been written and read back. A camera stores what the owner
-    /// of its key has signed with `host-sim sign`, for its own serial number, and of a higher
-    /// version than all before or with a permission.
+    /// In standby alone, with the supply good. A flight that the camera is prepared for goes on.
+    /// The calibration before stays in its slot until the new one has been written and read back.
+    /// A camera stores what the owner of its key has signed with `host-sim sign`, for its own
+    /// serial number, and of a higher version than all before or with a permission.
     #[command(after_help = examples::CAMERA_STORE)]
     Store(StoreArgs),
     /// Show which calibration the camera has stored, or what is wrong with either slot.
@@ -120,6 +133,8 @@ pub struct ShutterArgs {
     pub exposure: f64,
 }
 
+/// Largest focus shift of any camera, µm: `Quantity::FocusShiftUm`.
+const MOST_FOCUS_SHIFT_UM: f64 = 100_000.0;
 /// [`MAX_DUTY`](fmc_camera::flight::bring_up::MAX_DUTY), in decimals.
 const MOST_DUTY: f64 = 0.2;
 /// [`MAX_DUTY_S`](fmc_camera::flight::bring_up::MAX_DUTY_S), in decimals.
@@ -138,6 +153,28 @@ pub struct PrepareArgs {
     /// Direction of flight; without it the one of the settings, or forward.
     #[arg(long, value_name = "DIRECTION")]
     pub direction: Option<DirectionName>,
+}
+
+/// Arguments of `camera focus-shift`.
+#[derive(Debug, Args)]
+pub struct FocusShiftArgs {
+    /// Distance of the detector from its calibrated plane, µm, positive away from the lens; with
+    /// the run-out of the stage up to a hundredth of principal distance and exit pupil. Beyond, the
+    /// camera refuses triggers.
+    #[arg(value_name = "UM", value_parser = between(-MOST_FOCUS_SHIFT_UM, MOST_FOCUS_SHIFT_UM), allow_hyphen_values = true)]
+    pub shift_um: f64,
+}
+
+/// Arguments of `camera recalibrate`.
+#[derive(Debug, Args)]
+pub struct RecalibrateArgs {
+    /// Camera file (TOML).
+    #[arg(long, value_name = "FILE")]
+    pub camera: PathBuf,
+    /// Settings of the flight (TOML), as for `camera prepare`: of a camera file without limits of
+    /// V/H they tell what its mechanism can fly.
+    #[arg(long, value_name = "FILE")]
+    pub settings: Option<PathBuf>,
 }
 
 /// Arguments of `camera exposure`.

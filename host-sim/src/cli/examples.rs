@@ -210,6 +210,11 @@ Examples:
   host-sim camera --device serial:/dev/ttyACM0 prepare --camera my.toml \\
       --settings flight.toml";
 
+pub(super) const CAMERA_RECALIBRATE: &str = "\
+Examples:
+  host-sim camera --device serial:/dev/ttyACM0 recalibrate --camera newer.toml \\
+      --settings flight.toml";
+
 pub(super) const CAMERA_ARM: &str = "\
 Examples:
   host-sim camera --device serial:/dev/ttyACM0 arm";
@@ -229,6 +234,10 @@ Examples:
 pub(super) const CAMERA_EXPOSURE: &str = "\
 Examples:
   host-sim camera --device serial:/dev/ttyACM0 exposure 1/300";
+
+pub(super) const CAMERA_FOCUS_SHIFT: &str = "\
+Examples:
+  host-sim camera --device serial:/dev/ttyACM0 focus-shift 12.5";
 
 pub(super) const CAMERA_VH: &str = "\
 Examples:

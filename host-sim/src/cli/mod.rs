@@ -36,8 +36,8 @@ pub use calibration::{
     StaticP2,
 };
 pub use camera::{
-    CameraAction, CameraArgs, DutyArgs, ExposureTimeArgs, JogArgs, PrepareArgs, ShutterArgs,
-    StatusArgs, StoreArgs, VhArgs,
+    CameraAction, CameraArgs, DutyArgs, ExposureTimeArgs, FocusShiftArgs, JogArgs, PrepareArgs,
+    RecalibrateArgs, ShutterArgs, StatusArgs, StoreArgs, VhArgs,
 };
 pub use camera_file::{CameraFileAction, CameraFileArgs};
 pub use campaign::CampaignArgs;

@@ -19,7 +19,10 @@ use fmc_camera_file::number::single;
 use fmc_report::camera_status;
 
 use super::{bring_up, camera_store};
-use crate::cli::{CameraAction, CameraArgs, DirectionName, PrepareArgs, StatusArgs, VhArgs};
+use crate::cli::{
+    CameraAction, CameraArgs, DirectionName, FocusShiftArgs, PrepareArgs, RecalibrateArgs,
+    StatusArgs, VhArgs,
+};
 use crate::device::DeviceError;
 use crate::device::link_error::LinkError;
 use crate::device::remote::Session;
@@ -73,6 +76,11 @@ pub(super) fn run(args: &CameraArgs) -> Result<(), Failure> {
                 .map_err(|error| Failure::bad_input(error.to_string()))?;
             tell(args, Event::Command(Command::Exposure(exposure_s)))
         }
+        CameraAction::FocusShift(FocusShiftArgs { shift_um }) => {
+            let shift_um = single(*shift_um);
+            tell(args, Event::Command(Command::FocusShift(shift_um)))
+        }
+        CameraAction::Recalibrate(of) => recalibrate(args, of),
         CameraAction::Vh(vh) => tell_vh(args, vh),
         CameraAction::Store(store) => camera_store::store(args, store),
         CameraAction::Stored(StatusArgs { json }) => camera_store::stored(args, *json),
@@ -125,6 +133,21 @@ fn read(args: &PrepareArgs) -> Result<(CameraParameters, GridFiles, FlightSettin
     PreparedCamera::new(flown, &settings, Start::Orderly)
         .map_err(|error| Failure::bad_input(format!("{}: {error}", args.camera.display())))?;
     Ok((camera, grids, settings))
+}
+
+/// Puts another calibration into use in the flight that is under way.
+fn recalibrate(args: &CameraArgs, of: &RecalibrateArgs) -> Result<(), Failure> {
+    let (camera, grids, _) = read(&PrepareArgs {
+        camera: of.camera.clone(),
+        settings: of.settings.clone(),
+        direction: None,
+    })?;
+    let mut device = args.device.open_flown(Session::Whole)?;
+    // Without a flight there is nothing that could go on.
+    device.status().map_err(failed)?;
+    device.load_grids(&grids).map_err(failed)?;
+    device.recalibrate(&camera).map_err(failed)?;
+    say(&device.status().map_err(failed)?)
 }
 
 fn tell(args: &CameraArgs, event: Event) -> Result<(), Failure> {
@@ -235,14 +258,17 @@ pub(super) fn failed(error: DeviceError) -> Failure {
         } => match refusal {
             Refusal::NotTried(NotTried::Prepared) => {
                 "a flight goes on over a reset, also by the button: trials are for a board that was \
-                 switched off and on, or to which a calibration was loaded, as `host-sim camera \
-                 store` does"
+                 switched off and on, or to which a calibration was loaded for another flight, as \
+                 `host-sim frame` does"
             }
             Refusal::NotTried(NotTried::LimitSwitch) => {
                 "`host-sim camera inputs` shows the lines; a switch opens its line at the end of the way"
             }
             Refusal::OnRig => "fly it with `host-sim mission`, which simulates what is around it",
             Refusal::FrameInFlight => "`host-sim camera disarm` comes first",
+            Refusal::OtherMechanism => {
+                "prepare it for a flight of its own: `host-sim camera prepare --camera FILE`"
+            }
             Refusal::NoRowClock => {
                 "its firmware can fly cameras whose stage moves the detector, mechanism = \"stage\""
             }

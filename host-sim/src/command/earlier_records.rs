@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use fmc_camera::flight::calibration_id::CalibrationId;
 use fmc_camera::flight::frame_record::{FrameRecord, Outcome, Reason};
 use fmc_camera::flight::in_doubt::InDoubt;
 use fmc_camera::flight::time::Time;
@@ -52,15 +53,18 @@ impl EarlierRecords {
         Ok(None)
     }
 
-    /// Checks that all records have the calibration of the camera, and come before the first that
-    /// it has now and no folder has. Times are compared where no reset can have been among them, as
-    /// the camera's time begins anew with each start.
+    /// Checks that all records have the calibration of the camera, or that of the first record that
+    /// it has now and no folder has, and come before that record. Times are compared where no reset
+    /// can have been among them, as the camera's time begins anew with each start.
     pub(super) fn check_before(
         &self,
         status: &Status,
         first: Option<&FrameRecord>,
     ) -> Result<(), Failure> {
-        let crc = status.calibration.map_or(0, |calibration| calibration.crc);
+        let crc_of = |id: Option<CalibrationId>| id.map_or(0, |id| id.crc);
+        let crc = crc_of(status.calibration);
+        // It may have been exchanged since.
+        let first_crc = first.map_or(crc, |first| crc_of(first.calibration));
         for (folder, files) in &self.folders {
             let Some((sequence, trigger_us, calibration)) = files.last() else {
                 continue;
@@ -71,8 +75,9 @@ impl EarlierRecords {
                     folder.join(CSV).display()
                 )))
             };
-            let ours = format!("{crc:08x}");
-            if calibration != ours {
+            let theirs = |crc: &u32| calibration == format!("{crc:08x}");
+            if ![crc, first_crc].iter().any(theirs) {
+                let ours = format!("{crc:08x}");
                 return of_another("the calibration", &calibration, &ours);
             }
             if let Some(first) = first {

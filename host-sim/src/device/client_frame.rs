@@ -19,14 +19,34 @@ use super::port::Port;
 
 impl<P: Port> Client<P> {
     /// Replaces the camera's calibration, mechanism, shutter and limits, in parts; the one before
-    /// stays until the last part has come.
+    /// stays until the last part has come. A flight that it was prepared for ends.
     ///
     /// # Errors
     /// [`LinkError::Refused`] where the calibration is not usable.
     pub fn load(&mut self, parameters: &CameraParameters) -> Result<CalibrationId, LinkError> {
-        let too_long = LinkError::Unexpected { request: LOAD };
-        let upload = Upload::of(parameters).ok_or(too_long)?;
-        for request in upload.requests() {
+        let upload = Self::upload(parameters)?;
+        self.load_by(upload.requests(), &upload)
+    }
+
+    /// As [`Self::load`], but a flight goes on.
+    ///
+    /// # Errors
+    /// [`LinkError::Refused`] also where the flight cannot go on with it.
+    pub fn exchange(&mut self, parameters: &CameraParameters) -> Result<CalibrationId, LinkError> {
+        let upload = Self::upload(parameters)?;
+        self.load_by(upload.requests_in_flight(), &upload)
+    }
+
+    fn upload(parameters: &CameraParameters) -> Result<Upload, LinkError> {
+        Upload::of(parameters).ok_or(LinkError::Unexpected { request: LOAD })
+    }
+
+    fn load_by(
+        &mut self,
+        requests: impl Iterator<Item = Request>,
+        upload: &Upload,
+    ) -> Result<CalibrationId, LinkError> {
+        for request in requests {
             match self.ask(&request)? {
                 Answer::Loading(_) => {}
                 Answer::Loaded(calibration) => return Ok(calibration),
@@ -37,6 +57,7 @@ impl<P: Port> Client<P> {
         Err(self.unexpected(&Request::BeginLoad {
             length: 0,
             crc: upload.crc(),
+            keeps_flight: false,
         }))
     }
 

@@ -31,6 +31,12 @@ pub trait FlownCamera {
         settings: &FlightSettings,
     ) -> Result<(), DeviceError>;
 
+    /// Sends another calibration for the flight that is under way, which goes on.
+    ///
+    /// # Errors
+    /// [`DeviceError`] where the camera refuses it; the one before stays then.
+    fn recalibrate(&mut self, camera: &CameraParameters) -> Result<(), DeviceError>;
+
     /// Tells the camera that something happens now.
     ///
     /// # Errors
@@ -77,6 +83,10 @@ impl<P: Port> FlownCamera for Remote<P> {
         self.client
             .prepare(settings)
             .map_err(|error| self.failed(error, 0))
+    }
+
+    fn recalibrate(&mut self, camera: &CameraParameters) -> Result<(), DeviceError> {
+        self.load_in_both(camera, true)
     }
 
     fn tell(&mut self, event: Event) -> Result<(), DeviceError> {

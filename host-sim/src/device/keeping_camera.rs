@@ -12,7 +12,8 @@ use super::{CorrectingDevice, DeviceError, RecordSource};
 
 /// A camera that may have a store for its calibration.
 pub trait KeepingCamera: CorrectingDevice<Error = DeviceError> {
-    /// Sends a calibration with its residual grids, which is in use afterwards.
+    /// Sends a calibration with its residual grids, which is in use afterwards, also in a flight
+    /// that the camera is prepared for.
     ///
     /// # Errors
     /// [`DeviceError`] where the camera refuses it.
@@ -47,7 +48,7 @@ impl<P: Port> KeepingCamera for Remote<P> {
         grids: &GridFiles,
     ) -> Result<(), DeviceError> {
         CorrectingDevice::load_grids(self, grids)?;
-        CorrectingDevice::load(self, camera)
+        self.load_in_both(camera, true)
     }
 
     fn store(&mut self, order: &StoreOrder) -> Result<StoredIdentity, DeviceError> {

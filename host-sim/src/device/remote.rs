@@ -285,10 +285,19 @@ impl<P: Port> Remote<P> {
     }
 
     /// Loads a camera, and before it those of its residual grids that it misses.
-    fn load_with_grids(&mut self, camera: &CameraParameters) -> Result<CalibrationId, LinkError> {
+    fn load_with_grids(
+        &mut self,
+        camera: &CameraParameters,
+        keeps_flight: bool,
+    ) -> Result<CalibrationId, LinkError> {
         let mut missed = None;
         loop {
-            match self.client.load(camera) {
+            let loaded = if keeps_flight {
+                self.client.exchange(camera)
+            } else {
+                self.client.load(camera)
+            };
+            match loaded {
                 Err(LinkError::Refused {
                     refusal: Refusal::Grids(GridMemoryError::Missing { carrier, .. }),
                     ..
@@ -300,6 +309,33 @@ impl<P: Port> Remote<P> {
                 }
                 answered => return answered,
             }
+        }
+    }
+
+    /// Loads a camera and its twin; with `keeps_flight` a flight of the camera goes on.
+    pub(super) fn load_in_both(
+        &mut self,
+        camera: &CameraParameters,
+        keeps_flight: bool,
+    ) -> Result<(), DeviceError> {
+        self.exposure = None;
+        let loaded = self.load_with_grids(camera, keeps_flight);
+        let loaded = loaded.map_err(|error| self.failed(error, 0));
+        if let Err(error) = &loaded
+            && !matches!(error, DeviceError::Calibration(_) | DeviceError::Grids(_))
+        {
+            // The camera goes on with the calibration it has, and so does its twin.
+            return loaded.map(drop);
+        }
+        let twin = self.twin.load_grids(&self.grids);
+        let twin = twin.and_then(|()| self.twin.load(camera));
+        let (loaded, ()) = self.same_outcome(loaded, twin)?;
+        match self.twin.calibration() {
+            Some(twin) if twin != loaded => Err(self.different(DifferentResult::Calibration {
+                camera: loaded,
+                twin,
+            })),
+            _ => Ok(()),
         }
     }
 
@@ -350,25 +386,7 @@ impl<P: Port> CorrectingDevice for Remote<P> {
     }
 
     fn load(&mut self, camera: &CameraParameters) -> Result<(), DeviceError> {
-        self.exposure = None;
-        let loaded = self.load_with_grids(camera);
-        let loaded = loaded.map_err(|error| self.failed(error, 0));
-        if let Err(error) = &loaded
-            && !matches!(error, DeviceError::Calibration(_) | DeviceError::Grids(_))
-        {
-            // The camera goes on with the calibration it has, and so does its twin.
-            return loaded.map(drop);
-        }
-        let twin = self.twin.load_grids(&self.grids);
-        let twin = twin.and_then(|()| self.twin.load(camera));
-        let (loaded, ()) = self.same_outcome(loaded, twin)?;
-        match self.twin.calibration() {
-            Some(twin) if twin != loaded => Err(self.different(DifferentResult::Calibration {
-                camera: loaded,
-                twin,
-            })),
-            _ => Ok(()),
-        }
+        self.load_in_both(camera, false)
     }
 
     fn load_grids(&mut self, grids: &GridFiles) -> Result<(), DeviceError> {

@@ -172,6 +172,69 @@ fn camera_on_a_board_is_flown_by_commands_and_its_records_are_fetched() {
 }
 
 #[test]
+fn flight_goes_on_with_another_calibration_and_each_record_names_its_own() {
+    let board = Board::new();
+    let newer = format!("serial = \"SN 5282\"\nversion = 4\n{CAMERA}");
+    fs::write(board.bench.path("newer.toml"), newer).unwrap();
+    let recalibrate = ["recalibrate", "--camera", "newer.toml"];
+    board
+        .run(&recalibrate)
+        .failed(3, &["not been prepared", "camera prepare"]);
+    board.says(&["prepare", "--camera", "camera.toml"], "standby");
+    board.says(&["clear-fault"], "standby");
+    board.says(&["referenced"], "standby");
+    board.says(&["vh", "0.1"], "standby");
+    board.says(&["arm"], "armed");
+    board
+        .run(&recalibrate)
+        .failed(3, &["armed or in flight", "camera disarm"]);
+    board.triggers.store(1, Ordering::SeqCst);
+    assert_eq!(board.status()["exposed"], 1);
+    board.says(&["disarm"], "standby");
+    let before = board.status();
+    board.says(&recalibrate, "standby");
+    let mut after = board.status();
+    assert_eq!(after["calibration"]["version"], 4);
+    assert_eq!(
+        (&after["triggers"], &after["records_kept"]),
+        (&1.into(), &1.into())
+    );
+    after["calibration"] = before["calibration"].clone();
+    assert_eq!(after, before);
+    // A mechanism that is another in kind is none for this flight.
+    let rows = "[fmc]\naxis = \"+y\"\nmechanism = \"tdi\"\n";
+    let tdi = CAMERA.split("[fmc]").next().unwrap().to_owned() + rows;
+    fs::write(board.bench.path("tdi.toml"), tdi).unwrap();
+    board
+        .run(&["recalibrate", "--camera", "tdi.toml"])
+        .failed(3, &["another mechanism", "camera prepare"]);
+    board.says(&["focus-shift", "-25"], "standby");
+    board.says(&["arm"], "armed");
+    board.triggers.store(1, Ordering::SeqCst);
+    assert_eq!(board.status()["exposed"], 2);
+    board.says(&["disarm"], "standby");
+    let device = board.port.device();
+    let fetch = ["records", "--device", &device, "--out", "kept"];
+    assert!(board.bench.run(&fetch).ok().stdout.contains("2 records"));
+    let csv = fs::read_to_string(board.bench.path("kept/records.csv")).unwrap();
+    let records: Vec<&str> = csv.lines().skip(1).collect();
+    let made_with = [",,,volatile", ",SN 5282,4,volatile"];
+    assert_eq!(records.len(), made_with.len());
+    for (record, made_with) in records.iter().zip(made_with) {
+        assert!(record.ends_with(made_with), "{csv}");
+    }
+    let names: Vec<&str> = csv.lines().next().unwrap().split(',').collect();
+    let at = names.iter().position(|name| *name == "focus_shift_mm");
+    let shift_mm = |record: usize| -> f32 {
+        let mut fields = records[record].split(',');
+        fields.nth(at.unwrap()).unwrap().parse().unwrap()
+    };
+    // The stage of this camera runs out by 1 µm in a millimetre of its way.
+    assert!(shift_mm(0).abs() < 1e-3, "{csv}");
+    assert!((shift_mm(1) - shift_mm(0) + 0.025).abs() < 1e-4, "{csv}");
+}
+
+#[test]
 fn identity_of_the_calibration_is_in_the_status_and_in_the_records() {
     let board = Board::new();
     let camera = format!("serial = \"SN 5282\"\nversion = 3\n{CAMERA}");

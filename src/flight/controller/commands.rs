@@ -37,6 +37,8 @@ impl Controller {
             Command::Referenced => self.referenced(),
             // An exposure time outside the camera's limits leads to the refusal of every trigger.
             Command::Exposure(exposure_s) => self.exposure_s = exposure_s,
+            // As one beyond what the camera's model holds for.
+            Command::FocusShift(shift_um) => self.focus_shift_um = shift_um,
         }
     }
 

@@ -12,7 +12,7 @@ pub enum ControllerError {
     /// A setting is outside its range.
     Settings(OutOfRange),
     /// The mechanism cannot make any travel within the camera's limits, or not between two
-    /// triggers.
+    /// triggers; or the camera has no fitted model, and is to be corrected by it.
     Travel(FrameError),
 }
 

@@ -48,6 +48,6 @@ fn flies(camera: &Camera, settings: &FlightSettings, vh_per_s: f32) -> bool {
         return camera.motion(&exposure).is_ok();
     }
     let available_s = settings.trigger_interval_s;
-    needed_s(camera, settings, vh_per_s)
+    needed_s(camera, settings, vh_per_s, settings.exposure_s)
         .is_ok_and(|needed_s| available_s == 0.0 || needed_s <= available_s)
 }

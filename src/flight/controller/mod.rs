@@ -23,6 +23,7 @@ mod aircraft;
 mod checks;
 mod commands;
 mod error;
+mod exchange;
 mod faults;
 mod flyable;
 mod frame;
@@ -43,6 +44,7 @@ use heapless::Vec;
 
 use self::aircraft::{Aircraft, Said};
 pub use self::error::ControllerError;
+pub use self::exchange::NotExchanged;
 use self::frame::FrameMachine;
 use self::readiness::{Mode, Readiness};
 #[cfg(feature = "link")]
@@ -52,9 +54,9 @@ use self::stage::StageMachine;
 pub use self::start::Start;
 use self::state::State;
 pub use self::status::Counts;
-use super::calibration_id::CalibrationId;
 use super::event::{Action, Event};
 use super::fault::Fault;
+use super::flown_calibrations::FlownCalibrations;
 use super::stage_track::StagePlace;
 use super::time::Time;
 
@@ -75,8 +77,10 @@ pub struct Controller {
     readiness: Readiness,
     /// Exposure time of the frames to come, s.
     exposure_s: f32,
-    /// That of the camera, for the records.
-    calibration: Option<CalibrationId>,
+    /// Their Δz beyond the run-out of the stage, µm.
+    focus_shift_um: f32,
+    /// Those of the camera, for the records.
+    calibrations: FlownCalibrations,
 }
 
 impl Controller {

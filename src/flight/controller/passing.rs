@@ -4,6 +4,7 @@ use super::frame::{Asked, Due, Plan};
 use super::setup::Setup;
 use super::{Actions, Controller, act};
 use crate::flight::event::{Action, ShutterEdge};
+use crate::flight::exposure::Exposure;
 use crate::flight::fault::{Fault, Faults};
 use crate::flight::frame_record::{Flag, Reason};
 use crate::flight::record_log::Numbered;
@@ -34,13 +35,18 @@ impl Controller {
         trigger: Time,
         fault: Option<Fault>,
     ) -> Result<(), Reason> {
+        setup.camera.check_focus_shift(self.focus_shift_um)?;
         let held = self.aircraft.vh.held(trigger);
         let vh = held.map(|held| held.estimate(0.0));
+        let vh_per_s = vh.map_or(0.0, |vh| vh.vh_per_s);
         let mut asked = Asked {
             sequence,
             trigger,
             vh,
-            exposure: setup.exposure(vh.map_or(0.0, |vh| vh.vh_per_s), self.exposure_s),
+            exposure: Exposure {
+                focus_shift_um: self.focus_shift_um,
+                ..setup.exposure(vh_per_s, self.exposure_s)
+            },
         };
         let plan = match fault.or(vh.is_none().then_some(Fault::VhLost)) {
             None if setup.camera.has_stage() => {

@@ -4,6 +4,7 @@ use super::Controller;
 use super::readiness::Mode;
 use crate::flight::calibration_id::CalibrationId;
 use crate::flight::fault::{Fault, Faults};
+use crate::flight::flown_calibrations::{EarlierList, FlownCalibrations};
 use crate::flight::frame_record::{Flags, Outcome, Reason};
 use crate::flight::in_doubt::InDoubt;
 use crate::flight::record_log::{Entry, Extent, RecordLog, Slot, Unkept};
@@ -18,6 +19,8 @@ pub(crate) struct FlightState {
     pub(crate) is_flying: bool,
     /// Bits of the exposure time of the frames to come, s: a NaN is the same as itself.
     exposure_bits: u32,
+    /// Those of their focus shift, µm.
+    focus_shift_bits: u32,
     /// Numbers of triggers, of records with an exposure, of records without, and of edges of the
     /// shutter that the camera had not commanded.
     counts: [u32; 4],
@@ -38,6 +41,7 @@ impl Controller {
         FlightState {
             is_flying: self.readiness.is_flying(),
             exposure_bits: self.exposure_s.to_bits(),
+            focus_shift_bits: self.focus_shift_um.to_bits(),
             counts: self.frame.kept.counts(),
             records: self.frame.kept.records().extent(),
             in_doubt,
@@ -59,10 +63,17 @@ impl Controller {
         self.records_mut().note_kept(sequence, slot);
     }
 
+    /// The calibrations of records before the present one was put into use.
+    pub(crate) const fn earlier_calibrations(&self) -> EarlierList {
+        self.calibrations.earlier()
+    }
+
     /// Takes over the state of the flight before the reset, after the controller has been
-    /// restarted. Its records follow by [`Self::take_up`].
-    pub(crate) fn take_over(&mut self, state: &FlightState) {
+    /// restarted, and its earlier calibrations. Its records follow by [`Self::take_up`].
+    pub(crate) fn take_over(&mut self, state: &FlightState, earlier: EarlierList) {
+        self.calibrations.take_over(earlier);
         self.exposure_s = f32::from_bits(state.exposure_bits);
+        self.focus_shift_um = f32::from_bits(state.focus_shift_bits);
         self.frame.kept.resume(state.counts, &state.records);
         let next = state.records.last_sequence.saturating_add(1);
         self.stage.index.begin_at(next);
@@ -104,7 +115,7 @@ impl Controller {
     pub(in crate::flight) fn hold(&mut self, calibration: CalibrationId) {
         self.frame.restart(Faults::NONE);
         self.readiness.set_mode(Mode::Standby);
-        self.calibration = Some(calibration);
+        self.calibrations = FlownCalibrations::new(Some(calibration));
     }
 
     /// Forgets all records.
@@ -143,7 +154,7 @@ mod tests {
         // To keep it leaves the camera as it is.
         assert_eq!(before.flight_state().in_doubt, Some(in_doubt));
         let mut again = Controller::new();
-        again.take_over(&before.flight_state());
+        again.take_over(&before.flight_state(), before.earlier_calibrations());
         again.doubt_again(in_doubt);
         assert_eq!(again.in_doubt(), Some(in_doubt));
     }

@@ -46,6 +46,11 @@ impl Preparation {
     pub(in crate::flight) const fn settings(&self) -> &FlightSettings {
         &self.settings
     }
+
+    /// Prepares another camera for the same flight.
+    pub(in crate::flight) fn exchange(&mut self, camera: &Camera) {
+        self.smear = SmearPrediction::new(camera.calibration(), self.settings.direction);
+    }
 }
 
 /// The camera and its settings, which stay in flight; the controller borrows them with every event.
@@ -175,15 +180,27 @@ pub(in crate::flight) fn checked(
     settings: &FlightSettings,
 ) -> Result<FlightSettings, ControllerError> {
     let settings = settings.checked().map_err(ControllerError::Settings)?;
-    camera
-        .check_exposure_time(settings.exposure_s)
-        .map_err(|error| ControllerError::Travel(error.into()))?;
-    check_encoder(camera, &settings)?;
-    check_index(camera, &settings)?;
-    check_reach(camera, &settings)?;
-    check_step_rate(camera, &settings)?;
-    check_interval(camera, &settings)?;
+    check_camera(camera, &settings, settings.exposure_s)?;
     Ok(settings)
+}
+
+/// Checks that a camera can be flown with settings that are checked, and with an exposure time, s.
+pub(super) fn check_camera(
+    camera: &Camera,
+    settings: &FlightSettings,
+    exposure_s: f32,
+) -> Result<(), ControllerError> {
+    if settings.fitted_model && camera.calibration().parameters().fitted.is_none() {
+        return Err(ControllerError::Travel(FrameError::NotFitted));
+    }
+    camera
+        .check_exposure_time(exposure_s)
+        .map_err(|error| ControllerError::Travel(error.into()))?;
+    check_encoder(camera, settings)?;
+    check_index(camera, settings)?;
+    check_reach(camera, settings)?;
+    check_step_rate(camera, settings)?;
+    check_interval(camera, settings, exposure_s)
 }
 
 /// Checks that the encoder shows where in its stroke the stage is: a stage that may be off its set
@@ -244,17 +261,23 @@ fn check_step_rate(camera: &Camera, settings: &FlightSettings) -> Result<(), Con
 
 /// Checks that the mechanism is back before the next trigger, at the largest V/H of the camera's
 /// limits.
-fn check_interval(camera: &Camera, settings: &FlightSettings) -> Result<(), ControllerError> {
+fn check_interval(
+    camera: &Camera,
+    settings: &FlightSettings,
+    exposure_s: f32,
+) -> Result<(), ControllerError> {
     let available_s = settings.trigger_interval_s;
     if available_s == 0.0 || !camera.has_stage() {
         return Ok(());
     }
     let [least, most] = camera.limits().vh_per_s;
-    let mut longest_s = needed_s(camera, settings, most).map_err(ControllerError::Travel)?;
+    let needed_s = |vh_per_s| {
+        needed_s(camera, settings, vh_per_s, exposure_s).map_err(ControllerError::Travel)
+    };
+    let mut longest_s = needed_s(most)?;
     if settings.drive.index_mm.is_some() {
         // A short cycle may need ways of its own across the index mark.
-        let shortest_s = needed_s(camera, settings, least).map_err(ControllerError::Travel)?;
-        longest_s = longest_s.max(shortest_s);
+        longest_s = longest_s.max(needed_s(least)?);
     }
     let needed_s = longest_s;
     if needed_s <= available_s {
@@ -270,13 +293,15 @@ fn check_interval(camera: &Camera, settings: &FlightSettings) -> Result<(), Cont
     }
 }
 
-/// Returns the time from a trigger until the stage waits for the next one, at a V/H, s.
+/// Returns the time from a trigger until the stage waits for the next one, at a V/H, s, with an
+/// exposure time, s.
 pub(super) fn needed_s(
     camera: &Camera,
     settings: &FlightSettings,
     vh_per_s: f32,
+    exposure_s: f32,
 ) -> Result<f32, FrameError> {
-    let exposure = exposure(settings, vh_per_s, settings.exposure_s);
+    let exposure = exposure(settings, vh_per_s, exposure_s);
     let margin_s = margin_s(settings);
     let place_mm = camera.waiting_place_mm(&exposure, margin_s)?;
     let travel = camera.travel(place_mm, &exposure, margin_s)?;
@@ -348,6 +373,11 @@ fn cycle_s(
 pub(super) fn exposure(settings: &FlightSettings, vh_per_s: f32, exposure_s: f32) -> Exposure {
     Exposure {
         direction: settings.direction,
+        model: if settings.fitted_model {
+            CorrectionModel::Fitted
+        } else {
+            CorrectionModel::Exact
+        },
         ..Exposure::new(vh_per_s, exposure_s)
     }
 }

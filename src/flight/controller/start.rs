@@ -8,6 +8,7 @@ use super::setup::Setup;
 use super::stage::StageMachine;
 use crate::flight::exposure::Limits;
 use crate::flight::fault::{Fault, Faults};
+use crate::flight::flown_calibrations::FlownCalibrations;
 use crate::flight::vh::VhSettings;
 
 /// Manner in which the camera came to run.
@@ -36,7 +37,8 @@ impl Controller {
             frame: FrameMachine::new(),
             readiness: Readiness::new(Mode::Standby),
             exposure_s: 0.0,
-            calibration: None,
+            focus_shift_um: 0.0,
+            calibrations: FlownCalibrations::new(None),
         }
     }
 
@@ -58,7 +60,8 @@ impl Controller {
             frame,
             readiness,
             exposure_s,
-            calibration,
+            focus_shift_um,
+            calibrations,
         } = self;
         let settings = setup.settings;
         *aircraft = Aircraft::new(
@@ -79,7 +82,8 @@ impl Controller {
             readiness.fly_on();
         }
         *exposure_s = setup.settings.exposure_s;
-        *calibration = setup.camera.id();
+        *focus_shift_um = 0.0;
+        *calibrations = FlownCalibrations::new(setup.camera.id());
     }
 
     /// Returns the start of the controller that replaces this one; faults that have not been

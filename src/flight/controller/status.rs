@@ -128,13 +128,13 @@ impl Controller {
     #[must_use]
     pub fn record(&self, from_sequence: u32) -> Option<FrameRecord> {
         let entry = self.frame.kept.records().from(from_sequence)?;
-        Some(entry.record(self.calibration))
+        Some(entry.record(self.calibrations.of(entry.sequence)))
     }
 
-    /// The calibration of the flight; `None` if it has no identity.
+    /// The calibration in use; `None` if it has no identity.
     #[must_use]
     pub const fn calibration(&self) -> Option<CalibrationId> {
-        self.calibration
+        self.calibrations.present()
     }
 
     /// Records that have not been acknowledged.

@@ -24,6 +24,10 @@ pub const LATE_TICK_S: f32 = 1.5 * TICK_S;
 /// Time between two events beyond which the clock has jumped, s.
 pub const CLOCK_JUMP_S: f32 = 1.0;
 
+/// Longest pause of the rounds in standby, s, after which the clock has not jumped, if the board
+/// says that it has made one: the erasure of a sector of its store takes up to 4 s.
+pub const PAUSE_S: f32 = 10.0;
+
 /// Number of late rounds within [`OVERLOAD_WINDOW_S`] that is an overload.
 pub const OVERLOAD_ROUNDS: u8 = 3;
 

@@ -112,6 +112,11 @@ impl VhMonitor {
         self
     }
 
+    /// Sets the limits of another camera's V/H, 1/s; samples and suspicions stay.
+    pub(crate) const fn set_limits(&mut self, limits_per_s: [f32; 2]) {
+        self.limits_per_s = limits_per_s;
+    }
+
     /// The settings.
     #[must_use]
     pub const fn settings(&self) -> &VhSettings {

@@ -7,7 +7,7 @@ use crate::flight::bring_up::Trial;
 use crate::flight::calibration_id::CalibrationId;
 use crate::flight::camera::{self, Camera};
 use crate::flight::clock_drift::ClockDrift;
-use crate::flight::controller::{Controller, ControllerError, Start};
+use crate::flight::controller::{Controller, ControllerError, NotExchanged, Start};
 use crate::flight::drive::flown_drive::FlownDrive;
 use crate::flight::event::Event;
 use crate::flight::flown_deck::{FlownDeck, NotFlyable, NotTaken};
@@ -22,6 +22,17 @@ pub trait FlightDeck {
     /// Puts a camera in place of the one before. It has to be prepared before it flies; an earlier
     /// flight has ended, and its records are gone.
     fn load(&mut self, camera: Camera);
+
+    /// Checks that a camera may take the place of the one before in its flight; without a flight it
+    /// may.
+    ///
+    /// # Errors
+    /// [`NotExchanged`].
+    fn check_exchange(&self, camera: &Camera) -> Result<(), NotExchanged>;
+
+    /// Puts a camera that has been [checked](Self::check_exchange) in place of the one before,
+    /// between two frames of a flight, which goes on; without a flight as [`Self::load`].
+    fn exchange(&mut self, camera: Camera);
 
     /// The camera, for all its users; `None` before one is loaded.
     fn camera(&self) -> Option<&Camera>;
@@ -159,6 +170,14 @@ impl FlightDeck for RigDeck {
         self.rig.load(camera);
     }
 
+    fn check_exchange(&self, camera: &Camera) -> Result<(), NotExchanged> {
+        self.rig.check_exchange(camera)
+    }
+
+    fn exchange(&mut self, camera: Camera) {
+        self.rig.exchange(camera);
+    }
+
     fn camera(&self) -> Option<&Camera> {
         self.rig.camera()
     }
@@ -235,6 +254,14 @@ impl FlightDeck for RigDeck {
 impl<Drive: FlownDrive> FlightDeck for FlownDeck<Drive> {
     fn load(&mut self, camera: Camera) {
         Self::load(self, camera);
+    }
+
+    fn check_exchange(&self, camera: &Camera) -> Result<(), NotExchanged> {
+        Self::check_exchange(self, camera)
+    }
+
+    fn exchange(&mut self, camera: Camera) {
+        Self::exchange(self, camera);
     }
 
     fn camera(&self) -> Option<&Camera> {
@@ -326,10 +353,29 @@ impl From<NotFlyable> for Refusal {
     fn from(error: NotFlyable) -> Self {
         match error {
             NotFlyable::NoCamera => Self::NoCalibration,
-            NotFlyable::Controller(ControllerError::Settings(error)) => Self::Settings(error),
-            NotFlyable::Controller(ControllerError::Travel(error)) => Self::Travel(error),
+            NotFlyable::Controller(error) => error.into(),
             NotFlyable::NoRowClock => Self::NoRowClock,
             NotFlyable::OtherDrive(asked) => Self::OtherDrive(asked),
+        }
+    }
+}
+
+impl From<ControllerError> for Refusal {
+    fn from(error: ControllerError) -> Self {
+        match error {
+            ControllerError::Settings(error) => Self::Settings(error),
+            ControllerError::Travel(error) => Self::Travel(error),
+        }
+    }
+}
+
+impl From<NotExchanged> for Refusal {
+    fn from(error: NotExchanged) -> Self {
+        match error {
+            NotExchanged::FrameInFlight => Self::FrameInFlight,
+            NotExchanged::RecordsKept(kept) => Self::RecordsKept(kept),
+            NotExchanged::OtherMechanism => Self::OtherMechanism,
+            NotExchanged::NotFlyable(error) => error.into(),
         }
     }
 }
@@ -349,6 +395,15 @@ pub(super) fn check_over(deck: &impl FlightDeck) -> Result<(), Refusal> {
     match deck.record_holder().map_or(0, Controller::kept) {
         0 => Ok(()),
         kept => Err(Refusal::RecordsKept(kept)),
+    }
+}
+
+/// Checks that a calibration may be put into use now: in the flight that is under way, or for
+/// another, for which the flight may end.
+pub(super) fn check_load(deck: &impl FlightDeck, keeps_flight: bool) -> Result<(), Refusal> {
+    match deck.controller() {
+        Some(controller) if keeps_flight => Ok(controller.check_exchange()?),
+        _ => check_over(deck),
     }
 }
 

@@ -60,15 +60,35 @@ impl FlightKeeper {
         if let (Some(calibration), Some(settings), Some(())) = (
             controller.calibration(),
             memory.write_settings(settings),
-            memory.write_parameters(parameters),
+            memory.write_parameters(parameters, None),
         ) {
             self.head.prepared = Some(KeptFlight {
                 calibration,
+                earlier: controller.earlier_calibrations(),
                 has_grids: !parameters.grids.is_empty(),
                 settings,
                 state: controller.flight_state(),
             });
             self.write_head();
+        }
+    }
+
+    /// Goes on with other parameters. They are written beside those before: the step is taken as a
+    /// whole with the state, which names them.
+    #[inline(never)]
+    pub(super) fn exchange(&mut self, parameters: &CameraParameters, controller: &Controller) {
+        let (Some(memory), Some(kept)) = (self.memory, &mut self.head.prepared) else {
+            return;
+        };
+        let in_use = Some(kept.calibration.crc);
+        let written = memory.write_parameters(parameters, in_use);
+        if let (Some(calibration), Some(())) = (controller.calibration(), written) {
+            kept.calibration = calibration;
+            kept.earlier = controller.earlier_calibrations();
+            kept.has_grids = !parameters.grids.is_empty();
+            self.write_head();
+        } else {
+            self.end();
         }
     }
 
@@ -87,7 +107,7 @@ impl FlightKeeper {
     /// Copies what has changed.
     #[inline]
     pub(super) fn keep(&mut self, controller: Option<&mut Controller>) {
-        let (Some(memory), Some(kept)) = (self.memory, self.head.prepared) else {
+        let (Some(memory), Some(kept)) = (self.memory, &self.head.prepared) else {
             return;
         };
         let Some(controller) = controller else {
@@ -98,7 +118,7 @@ impl FlightKeeper {
         let are_told = |state: &FlightState| (state.records.left(), state.in_doubt);
         if are_told(&state) != are_told(&kept.state) {
             // Before records that are written into the slots of acknowledged ones.
-            self.note_state(kept, state);
+            self.note_state(state);
         }
         while let Some(unkept) = controller.next_unkept() {
             self.head.writing = self.head.writing.wrapping_add(1);
@@ -111,8 +131,9 @@ impl FlightKeeper {
             memory.write_record(&record, unkept.slot, unkept.outdated);
             controller.note_kept(unkept.record.sequence, unkept.slot);
         }
-        if self.head.prepared.is_none_or(|kept| state != kept.state) {
-            self.note_state(kept, state);
+        let kept = self.head.prepared.as_ref();
+        if kept.is_none_or(|kept| state != kept.state) {
+            self.note_state(state);
         }
         let now = controller.last_event();
         if now != self.last
@@ -128,13 +149,16 @@ impl FlightKeeper {
         }
     }
 
-    /// Notes another state of the flight that was kept.
-    fn note_state(&mut self, kept: KeptFlight, state: FlightState) {
+    /// Notes another state of the flight.
+    fn note_state(&mut self, state: FlightState) {
+        let Some(kept) = &mut self.head.prepared else {
+            return;
+        };
         if state.is_flying && !kept.state.is_flying {
             // Somebody has armed the camera.
             self.head.resumed = 0;
         }
-        self.head.prepared = Some(KeptFlight { state, ..kept });
+        kept.state = state;
         self.write_head();
     }
 

@@ -3,7 +3,9 @@
 //! [`Request::BeginLoad`] announces length and CRC-32 of the bytes that `postcard` makes of a
 //! [`CameraParameters`], [`Request::LoadPart`] brings them, in order, and the last part puts the
 //! calibration into use. Until then, and after a refusal of the whole, the camera uses the one
-//! before. A load begins anew with another announcement, and is abandoned when a session is opened.
+//! before. A flight that was prepared ends with it, or goes on if it was announced so
+//! ([`Upload::requests_in_flight`]). A load begins anew with another announcement, and is abandoned
+//! when a session is opened.
 //!
 //! Behind the parameters of a camera with residual grids stand their [`GridChecksums`], so that the
 //! CRC-32, which is that of the calibration's identity, covers the grids. Their files come before,
@@ -56,11 +58,21 @@ impl Upload {
         &self.bytes
     }
 
-    /// The requests that load the calibration, in order.
+    /// The requests that load the calibration, in order. An earlier flight ends.
     pub fn requests(&self) -> impl Iterator<Item = Request> {
+        self.requests_for(false)
+    }
+
+    /// The same, for the flight that is under way, which goes on.
+    pub fn requests_in_flight(&self) -> impl Iterator<Item = Request> {
+        self.requests_for(true)
+    }
+
+    fn requests_for(&self, keeps_flight: bool) -> impl Iterator<Item = Request> {
         let begin = Request::BeginLoad {
             length: number(self.bytes.len()),
             crc: self.crc,
+            keeps_flight,
         };
         core::iter::once(begin).chain(self.parts(MAX_PART).map(Request::LoadPart))
     }
@@ -138,12 +150,15 @@ impl Announced {
 #[derive(Debug)]
 pub(super) struct Loading {
     announced: Option<Announced>,
+    /// The flight under way goes on with it.
+    keeps_flight: bool,
     bytes: Vec<u8, CALIBRATION_CAPACITY>,
 }
 
 impl Loading {
     pub(super) const NONE: Self = Self {
         announced: None,
+        keeps_flight: false,
         bytes: Vec::new(),
     };
 
@@ -154,13 +169,24 @@ impl Loading {
     }
 
     /// Begins a load of so many bytes; ends another.
-    pub(super) fn begin(&mut self, length: u32, crc: u32) -> Result<(), Refusal> {
+    pub(super) fn begin(
+        &mut self,
+        length: u32,
+        crc: u32,
+        keeps_flight: bool,
+    ) -> Result<(), Refusal> {
         if length == 0 || length > number(CALIBRATION_CAPACITY) {
             return Err(Refusal::LoadLength { length });
         }
         self.end();
         self.announced = Some(Announced { length, crc });
+        self.keeps_flight = keeps_flight;
         Ok(())
+    }
+
+    /// Returns `true` if the flight under way is to go on with the calibration.
+    pub(super) const fn keeps_flight(&self) -> bool {
+        self.keeps_flight
     }
 
     /// Bytes that have come.

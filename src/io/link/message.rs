@@ -66,6 +66,9 @@ pub enum Request {
         length: u32,
         /// Their CRC-32.
         crc: u32,
+        /// `true` if the flight that the camera is prepared for goes on with the calibration, which
+        /// has to fit its settings; otherwise it ends, and has to be prepared anew.
+        keeps_flight: bool,
     },
     /// Predicts a frame; the points that follow belong to it.
     Expose(Exposure),
@@ -137,9 +140,9 @@ pub enum Request {
     /// wanted.
     ConnectReading,
     /// Stores the calibration in use, with its residual grids, under this origin and signature: in
-    /// standby alone, with the supply good, and while no record is left unacknowledged. A camera
-    /// that was prepared is to be prepared again. Grids that were uploaded and are not in use are
-    /// gone. The answer takes as long as the erasure of a sector, some seconds.
+    /// standby alone, with the supply good. A flight that the camera is prepared for goes on; of a
+    /// camera that is not, no record may be left unacknowledged. Grids that were uploaded and are
+    /// not in use are gone. The answer takes as long as the erasure of a sector, some seconds.
     Store(StoreOrder),
     /// Reads what is stored, as the start has found it or the last store has left it.
     Stored,
@@ -176,7 +179,7 @@ pub enum Answer {
     /// The session is open.
     Connected(Identity),
     /// The parameters are complete: the calibration is in use. A camera that was prepared is to be
-    /// prepared again.
+    /// prepared again, unless the load keeps its flight.
     Loaded(CalibrationId),
     /// The frame, predicted or read again.
     InteriorOrientation(InteriorOrientation),
@@ -347,7 +350,7 @@ pub struct Status {
     pub last_finding: Option<LastFinding>,
     /// Drift of the camera's clock by the time pulses; `None` before it is measured.
     pub clock_drift: Option<ClockDrift>,
-    /// The calibration it was prepared with; `None` if it has no identity.
+    /// The calibration in use; `None` if it has no identity.
     pub calibration: Option<CalibrationId>,
     /// Place of the index mark by its last crossing, mm along the FMC axis from the calibrated
     /// position; `None` before the first, or without a mark.

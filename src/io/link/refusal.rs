@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::{CALIBRATION_CAPACITY, MAX_POINTS};
 use crate::flight::bring_up::NotTried;
 use crate::flight::camera::FrameError;
+use crate::flight::controller::NotExchanged;
 use crate::flight::controller::state::State;
 use crate::flight::drive::kind::DriveKind;
 use crate::flight::grid_memory::GridMemoryError;
@@ -22,8 +23,10 @@ use crate::io::store::NotStored;
 /// Why the camera does not do what it is asked for. Nothing has changed, except that after an
 /// [`Refusal::Exposure`] there is no frame, and that a load is over whose last part is refused with
 /// [`Refusal::LoadCrc`], [`Refusal::NoRecord`], [`Refusal::Calibration`], [`Refusal::Grid`] or
-/// [`Refusal::Grids`]. After [`Refusal::NotStored`] grids that were uploaded and are not in use are
-/// gone, and with [`NotStored::Flash`] the slot that it names has been written.
+/// [`Refusal::Grids`], and in a flight that is to go on with [`Refusal::OtherMechanism`],
+/// [`Refusal::Settings`] or [`Refusal::Travel`]. After [`Refusal::NotStored`] grids that were
+/// uploaded and are not in use are gone, and with [`NotStored::Flash`] the slot that it names has
+/// been written.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Refusal {
@@ -165,6 +168,9 @@ pub enum Refusal {
     NotTried(NotTried),
     /// The settings are for this kind of drive, which the board does not have.
     OtherDrive(DriveKind),
+    /// The flight under way has another mechanism, a stage or the rows of a TDI sensor: the
+    /// calibration before stays.
+    OtherMechanism,
 }
 
 impl fmt::Display for Refusal {
@@ -258,6 +264,7 @@ impl fmt::Display for Refusal {
                 f,
                 "the settings are for {asked}, which its board does not have"
             ),
+            Self::OtherMechanism => NotExchanged::OtherMechanism.fmt(f),
         }
     }
 }

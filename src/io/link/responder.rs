@@ -411,11 +411,15 @@ impl<Deck: FlightDeck> Responder<Deck> {
     /// one.
     #[inline(never)]
     fn take_load(&mut self, request: &Request) -> Result<Answer, Refusal> {
-        deck::check_over(&self.deck)?;
         match request {
-            Request::BeginLoad { length, crc } => {
+            Request::BeginLoad {
+                length,
+                crc,
+                keeps_flight,
+            } => {
+                deck::check_load(&self.deck, *keeps_flight)?;
                 self.grids.end();
-                self.loading.begin(*length, *crc)?;
+                self.loading.begin(*length, *crc, *keeps_flight)?;
                 Ok(Answer::Loading(0))
             }
             Request::BeginGrid {
@@ -423,34 +427,46 @@ impl<Deck: FlightDeck> Responder<Deck> {
                 length,
                 crc,
             } => {
+                deck::check_idle(&self.deck)?;
                 self.loading.end();
                 self.grids.begin(*carrier, *length, *crc)?;
                 Ok(Answer::Loading(0))
             }
             Request::LoadPart(part) => {
+                let keeps_flight = self.loading.keeps_flight();
+                deck::check_load(&self.deck, keeps_flight)?;
                 if !self.loading.add(part)? {
                     return Ok(Answer::Loading(self.loading.received()));
                 }
                 let (record, crc) = self.loading.finish()?;
-                self.load(record, crc, Storage::Volatile)
+                self.load(record, crc, Storage::Volatile, keeps_flight)
                     .map(Answer::Loaded)
             }
-            Request::GridPart(part) => Ok(match self.grids.add(part)? {
-                GridProgress::Bytes(received) => Answer::Loading(received),
-                GridProgress::Loaded(carrier) => Answer::GridLoaded(carrier),
-            }),
+            Request::GridPart(part) => {
+                deck::check_idle(&self.deck)?;
+                Ok(match self.grids.add(part)? {
+                    GridProgress::Bytes(received) => Answer::Loading(received),
+                    GridProgress::Loaded(carrier) => Answer::GridLoaded(carrier),
+                })
+            }
             _ => Err(Refusal::Unknown),
         }
     }
 
+    /// Puts a calibration into use. With `keeps_flight` a flight that is under way goes on with it;
+    /// otherwise it ends.
     pub(super) fn load(
         &mut self,
         record: CameraParameters,
         crc: u32,
         storage: Storage,
+        keeps_flight: bool,
     ) -> Result<CalibrationId, Refusal> {
-        let loaded = self.put_into_use(record, crc, storage)?;
-        self.keeper.end();
+        let loaded = self.put_into_use(record, crc, storage, keeps_flight)?;
+        match self.deck.controller() {
+            Some(controller) => self.keeper.exchange(&record, controller),
+            None => self.keeper.end(),
+        }
         Ok(loaded)
     }
 
@@ -465,10 +481,18 @@ impl<Deck: FlightDeck> Responder<Deck> {
         record: CameraParameters,
         crc: u32,
         storage: Storage,
+        keeps_flight: bool,
     ) -> Result<CalibrationId, Refusal> {
         let camera = Camera::identified(record, crc, storage).map_err(Refusal::Calibration)?;
+        if keeps_flight {
+            self.deck.check_exchange(&camera)?;
+        }
         let camera = self.grids.put_into_use(camera)?;
-        self.deck.load(camera);
+        if keeps_flight {
+            self.deck.exchange(camera);
+        } else {
+            self.deck.load(camera);
+        }
         self.shelf.in_use = Some(record);
         self.frame = None;
         self.fitting.end();

@@ -47,7 +47,7 @@ impl Shelf {
         if self.in_use.is_none() {
             return Err(Refusal::NoCalibration);
         }
-        deck::check_over(deck)?;
+        deck::check_load(deck, true)?;
         // Low supply is a fault, too, but a camera may be cleared of it while it is low, and one
         // that is not prepared has no state.
         if !deck.is_supply_good() {

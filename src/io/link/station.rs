@@ -92,7 +92,7 @@ impl<Deck: FlightDeck> Station<Deck> {
     }
 
     /// Puts a calibration into use that the board has in its own store, or was built with, as a
-    /// load over the link does.
+    /// load over the link does that ends an earlier flight.
     ///
     /// # Errors
     /// [`Refusal`] as of the last part of a load.
@@ -103,7 +103,7 @@ impl<Deck: FlightDeck> Station<Deck> {
     ) -> Result<CalibrationId, Refusal> {
         deck::check_over(&self.responder.deck)?;
         let crc = digest::of_camera(record);
-        self.responder.load(*record, crc, storage)
+        self.responder.load(*record, crc, storage, false)
     }
 
     /// Puts the calibration into use that a store holds, at the start, and returns what was found.
@@ -118,8 +118,8 @@ impl<Deck: FlightDeck> Station<Deck> {
     }
 
     /// Stores the calibration in use, after [`LinkEvent::Store`] and before the next byte, and
-    /// answers; it is the stored one from then on, and a camera that was prepared is to be prepared
-    /// again. Returns what has come of it.
+    /// answers; it is the stored one from then on, also in the flight that is under way. Returns
+    /// what has come of it.
     #[cfg(feature = "store")]
     pub fn store<F: NorFlash, V: SignatureVerifier>(
         &mut self,

@@ -39,7 +39,11 @@ impl<Deck: FlightDeck> Responder<Deck> {
         let Some((header, order)) = self.shelf.ordered.take() else {
             return LinkEvent::Answered;
         };
-        let done = match self.store(store, &order) {
+        let stored = self.store(store, &order);
+        if let Some(controller) = self.deck.record_holder_mut() {
+            controller.note_pause();
+        }
+        let done = match stored {
             Ok(()) => self.use_stored(),
             Err(refusal) => {
                 // The flash may hold something else now.
@@ -59,7 +63,7 @@ impl<Deck: FlightDeck> Responder<Deck> {
         store: &mut CalibrationStore<F, V>,
         order: &StoreOrder,
     ) -> Result<(), Refusal> {
-        deck::check_over(&self.deck)?;
+        deck::check_load(&self.deck, true)?;
         self.grids.end();
         let parameters = self.shelf.in_use.as_ref().ok_or(Refusal::NoCalibration)?;
         let stored = store.store(parameters, order, self.grids.memory_mut());
@@ -96,6 +100,6 @@ impl<Deck: FlightDeck> Responder<Deck> {
         parameters: &CameraParameters,
     ) -> Result<CalibrationId, Refusal> {
         let crc = digest::of_camera(parameters);
-        self.load(*parameters, crc, Storage::Stored)
+        self.load(*parameters, crc, Storage::Stored, true)
     }
 }

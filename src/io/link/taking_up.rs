@@ -151,13 +151,13 @@ impl<Deck: FlightDeck> Responder<Deck> {
         if flight.has_grids {
             return Err(FlightAfterReset::NoGrids);
         }
-        let parameters = memory.parameters::<CameraParameters>();
+        let parameters = memory.parameters::<CameraParameters>(calibration.crc);
         let parameters = parameters.ok_or(FlightAfterReset::NoCalibration)?;
         if digest::of_camera(&parameters) != calibration.crc {
             return Err(FlightAfterReset::NoCalibration);
         }
         let loaded: Result<CalibrationId, Refusal> =
-            self.put_into_use(parameters, calibration.crc, Storage::Volatile);
+            self.put_into_use(parameters, calibration.crc, Storage::Volatile, false);
         match loaded {
             Ok(loaded) if loaded == *calibration => Ok(()),
             _ => Err(FlightAfterReset::NoCalibration),
@@ -185,7 +185,7 @@ impl<Deck: FlightDeck> Responder<Deck> {
             state.records.last_sequence = last;
             last.saturating_add(1)
         };
-        controller.take_over(&state);
+        controller.take_over(&state, flight.earlier);
         for sequence in (first..end).take(CAPACITY) {
             let slots = (0..).zip(&found);
             let mut whole =

@@ -7,7 +7,7 @@ use crate::flight::calibration_id::CalibrationId;
 use crate::flight::camera::Camera;
 use crate::flight::clock_drift::ClockDrift;
 use crate::flight::control_loop::RoundActions;
-use crate::flight::controller::Controller;
+use crate::flight::controller::{Controller, NotExchanged};
 use crate::flight::drive::flown_drive::FlownDrive;
 use crate::flight::event::Event;
 use crate::flight::flown_deck::FlownDeck;
@@ -62,6 +62,14 @@ impl<Drive: FlownDrive> WiredDeck<Drive> {
 impl<Drive: FlownDrive> FlightDeck for WiredDeck<Drive> {
     fn load(&mut self, camera: Camera) {
         FlightDeck::load(&mut self.flown, camera);
+    }
+
+    fn check_exchange(&self, camera: &Camera) -> Result<(), NotExchanged> {
+        self.flown.check_exchange(camera)
+    }
+
+    fn exchange(&mut self, camera: Camera) {
+        self.flown.exchange(camera);
     }
 
     fn camera(&self) -> Option<&Camera> {

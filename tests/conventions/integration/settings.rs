@@ -201,12 +201,14 @@ fn settings_without_a_range_are_named() {
                 autopilot_baud: _,
             },
         flies_on_after_reset: _,
+        fitted_model: _,
     } = FlightSettings::default();
     fields_of_other_drives(&DriveSettings::default());
     for name in [
         "`direction`",
         "`encoder_survives_brown_out`",
         "`flies_on_after_reset`",
+        "`fitted_model`",
         "`drive.encoder_reversed`",
         "`drive.encoder_side`",
         "`drive.motor_reversed`",

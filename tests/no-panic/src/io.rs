@@ -50,6 +50,7 @@ pub(crate) fn keep() {
         Upload::crc,
         Upload::parts,
         Upload::requests,
+        Upload::requests_in_flight,
         loading::grid_requests,
         loading::parameters,
         RigDeck::new,

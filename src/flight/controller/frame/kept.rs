@@ -105,6 +105,11 @@ impl Kept {
         self.latest = Some((sequence, frame));
     }
 
+    /// Forgets the frame of the last exposure; its record stays.
+    pub(in super::super) const fn forget_latest(&mut self) {
+        self.latest = None;
+    }
+
     /// Counts an edge of the shutter that the camera had not commanded.
     pub(super) const fn count_unexpected_edge(&mut self) {
         self.unexpected_edges = self.unexpected_edges.saturating_add(1);

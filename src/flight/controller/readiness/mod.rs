@@ -6,7 +6,7 @@ pub(super) use self::rounds::Round;
 use self::rounds::Rounds;
 use super::stage::Obedience;
 use super::state::State;
-use super::timing::{CLOCK_JUMP_S, EXERCISE_WAYS, LATE_EVENT_S};
+use super::timing::{CLOCK_JUMP_S, EXERCISE_WAYS, LATE_EVENT_S, PAUSE_S};
 use crate::flight::fault::Fault;
 use crate::flight::frame_record::Reason;
 use crate::flight::time::Time;
@@ -14,6 +14,8 @@ use crate::flight::time::Time;
 /// [`LATE_EVENT_S`] and [`CLOCK_JUMP_S`], µs: every event is compared with them.
 const LATE_EVENT_US: u64 = whole_us(LATE_EVENT_S);
 const CLOCK_JUMP_US: u64 = whole_us(CLOCK_JUMP_S);
+/// [`PAUSE_S`], µs.
+const PAUSE_US: u64 = whole_us(PAUSE_S);
 
 /// The machine of readiness.
 #[derive(Debug, Clone)]
@@ -25,6 +27,8 @@ pub(super) struct Readiness {
     /// The flight began before a reset: the fault of the start ends by itself.
     flies_on: bool,
     last_event: Option<Time>,
+    /// Longest time from one event to the next without a jump of the clock, µs.
+    longest_us: u64,
     rounds: Rounds,
     late_ticks: u32,
     lost_events: u32,
@@ -79,6 +83,7 @@ impl Readiness {
             is_disarming: false,
             flies_on: false,
             last_event: None,
+            longest_us: CLOCK_JUMP_US,
             rounds: Rounds::new(),
             late_ticks: 0,
             lost_events: 0,
@@ -146,15 +151,20 @@ impl Readiness {
         }
     }
 
+    /// Notes that the board has made no rounds for a while, of up to [`PAUSE_S`].
+    pub(super) const fn note_pause(&mut self) {
+        self.longest_us = PAUSE_US;
+    }
+
     /// Takes the time of an event. Returns `true` if the clock has jumped: events come in order of
-    /// time, or nearly so, and at least one with every round.
+    /// time, or nearly so, and at least one with every round, but for a pause.
     pub(super) fn has_jumped(&mut self, time: Time) -> bool {
         let Some(last) = self.last_event else {
             self.last_event = Some(time);
             return false;
         };
         if time >= last {
-            if time.us_since(last) > CLOCK_JUMP_US {
+            if time.us_since(last) > self.longest_us {
                 return true;
             }
             self.last_event = Some(time);
@@ -182,6 +192,7 @@ impl Readiness {
     /// Takes a round. Late rounds are counted; in standby, where a request may last longer than a
     /// round, they have no other consequence.
     pub(super) fn come_round(&mut self, now: Time) -> Round {
+        self.longest_us = CLOCK_JUMP_US;
         let round = self.rounds.look(now, self.mode != Mode::Standby);
         if let Round::Idle | Round::Late | Round::Overload = round {
             self.late_ticks = self.late_ticks.saturating_add(1);

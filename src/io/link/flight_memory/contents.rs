@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::flight::calibration_id::CalibrationId;
 use crate::flight::controller::FlightState;
+use crate::flight::flown_calibrations::EarlierList;
 use crate::flight::record_log::Entry;
 
 /// State of the camera and of its flight, besides settings, parameters and records.
@@ -28,6 +29,8 @@ pub(crate) struct KeptHead {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub(crate) struct KeptFlight {
     pub(crate) calibration: CalibrationId,
+    /// Those of records from before it was put into use.
+    pub(crate) earlier: EarlierList,
     /// The calibration has residual grids, which are not kept.
     pub(crate) has_grids: bool,
     /// CRC-32 of the settings.

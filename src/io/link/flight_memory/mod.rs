@@ -7,9 +7,10 @@
 //!
 //! Nothing in it is believed without its CRC-32. A reset can come between any two words: the
 //! contents of a block are written before its CRC-32, which is taken away first; the state of the
-//! flight has two copies, written one after the other; and a record that changes is written beside
-//! its old copy, which is taken away afterwards. So of state and of each record at least one copy
-//! is whole at every time.
+//! flight has two copies, written one after the other; a record that changes is written beside its
+//! old copy, which is taken away afterwards; and parameters that are exchanged in a flight are
+//! written beside those before, until the state names them by their CRC-32. So of state, parameters
+//! and each record at least one copy is whole at every time.
 
 mod block;
 mod contents;
@@ -26,7 +27,7 @@ use crate::flight::record_log::{SLOTS, Slot};
 use crate::flight::time::Time;
 
 /// Most bytes of the state.
-const HEAD_BYTES: usize = 192;
+const HEAD_BYTES: usize = 288;
 /// Most bytes of the settings.
 const SETTINGS_BYTES: usize = 768;
 /// Most bytes of the parameters of a camera.
@@ -40,9 +41,13 @@ const HEADS: [Block; 2] = [Block::after(None, HEAD_BYTES), {
     Block::after(Some(&first), HEAD_BYTES)
 }];
 const SETTINGS: Block = Block::after(Some(&HEADS[1]), SETTINGS_BYTES);
-const PARAMETERS: Block = Block::after(Some(&SETTINGS), PARAMETERS_BYTES);
+/// The parameters in use, and those before.
+const PARAMETERS: [Block; 2] = [Block::after(Some(&SETTINGS), PARAMETERS_BYTES), {
+    let first = Block::after(Some(&SETTINGS), PARAMETERS_BYTES);
+    Block::after(Some(&first), PARAMETERS_BYTES)
+}];
 /// The first of the records.
-const RECORDS: Block = Block::after(Some(&PARAMETERS), RECORD_BYTES);
+const RECORDS: Block = Block::after(Some(&PARAMETERS[1]), RECORD_BYTES);
 /// Words of a time and its check.
 const TIME_WORDS: usize = 3;
 /// The two copies of the time of the last round.
@@ -140,21 +145,36 @@ impl FlightMemory {
         postcard::from_bytes(bytes).ok().filter(|_| is_meant)
     }
 
-    /// Writes the parameters of a camera.
+    /// Writes the parameters of a camera beside those in use, which have a CRC-32.
     #[inline(never)]
-    pub(super) fn write_parameters(&self, parameters: &impl serde::Serialize) -> Option<()> {
+    pub(super) fn write_parameters(
+        &self,
+        parameters: &impl serde::Serialize,
+        in_use: Option<u32>,
+    ) -> Option<()> {
         let mut buffer = [0; PARAMETERS_BYTES];
+        let [first, second] = &PARAMETERS;
+        let in_first = first.read(&self.words, &mut buffer).map(block::sum);
+        let spare = if in_first.is_some() && in_first == in_use {
+            second
+        } else {
+            first
+        };
         let bytes = postcard::to_slice(parameters, &mut buffer).ok()?;
-        PARAMETERS.write(&self.words, bytes);
+        spare.write(&self.words, bytes);
         Some(())
     }
 
-    /// Reads the parameters of a camera.
+    /// Reads the parameters of a camera that have a CRC-32.
     #[inline(never)]
-    pub(super) fn parameters<T: serde::de::DeserializeOwned>(&self) -> Option<T> {
+    pub(super) fn parameters<T: serde::de::DeserializeOwned>(&self, crc: u32) -> Option<T> {
         let mut buffer = [0; PARAMETERS_BYTES];
-        let bytes = PARAMETERS.read(&self.words, &mut buffer)?;
-        postcard::from_bytes(bytes).ok()
+        let in_block = |block: &Block| {
+            let bytes = block.read(&self.words, &mut buffer)?;
+            let is_meant = block::sum(bytes) == crc;
+            postcard::from_bytes(bytes).ok().filter(|_| is_meant)
+        };
+        PARAMETERS.iter().find_map(in_block)
     }
 
     /// Writes a record into a slot, and takes its old copy away.

@@ -1,5 +1,6 @@
 //! Resets between any two stores.
 
+use super::block::sum;
 use super::words::reset;
 use super::{FlightMemory, KeptHead, KeptRecord};
 use crate::flight::fault::Faults;
@@ -83,6 +84,41 @@ fn reset_after_any_store_leaves_a_record_that_changes_as_it_was_or_as_it_is() {
         },
     );
     assert!(stores > 5, "{stores}");
+}
+
+#[test]
+fn reset_after_any_store_leaves_the_parameters_in_use_when_others_are_written() {
+    let parameters = |first: u8| [first; 7].map(|byte| byte.wrapping_mul(31));
+    let crc = |first| {
+        let mut buffer = [0; 16];
+        sum(postcard::to_slice(&parameters(first), &mut buffer).unwrap())
+    };
+    let read = |memory: &FlightMemory, first| memory.parameters::<[u8; 7]>(crc(first));
+    // Each is written beside the one before it.
+    for [old, new] in [[1, 2], [2, 3], [2, 1]] {
+        let stores = with_resets(
+            |memory| {
+                let left = reset::left();
+                reset::after(None);
+                memory.write_parameters(&parameters(1), None).unwrap();
+                if old == 2 {
+                    memory
+                        .write_parameters(&parameters(2), Some(crc(1)))
+                        .unwrap();
+                }
+                reset::after(left);
+                memory
+                    .write_parameters(&parameters(new), Some(crc(old)))
+                    .unwrap();
+            },
+            |memory, is_whole| {
+                assert_eq!(read(memory, old), Some(parameters(old)));
+                let found = read(memory, new);
+                assert!(found == Some(parameters(new)) || found.is_none() && !is_whole);
+            },
+        );
+        assert!(stores > 5, "{stores}");
+    }
 }
 
 #[test]
