@@ -16,6 +16,7 @@ import test_edges
 import test_flight
 import test_force
 import test_memory
+import test_records
 import test_shake
 import test_shutter
 import test_stack
@@ -27,6 +28,7 @@ CLASSES = (
     test_start.Start, test_force.Force, test_memory.Memory, test_stack.Stack, test_edges.Edges,
     test_shutter.Shutter, test_clock.Clock, test_store.Store, test_client.Client,
     test_vectors.Vectors, test_bring_up.BringUp, test_shake.Shaking, test_flight.TenSeconds,
+    test_records.Records,
 )  # fmt: skip
 
 

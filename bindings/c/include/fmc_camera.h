@@ -897,6 +897,14 @@ typedef struct fmc_record {
    * Predicted residual smear, pixels.
    */
   float smear_px;
+  /**
+   * Number of the camera's start in which the trigger came, from 1.
+   */
+  uint32_t boot;
+  /**
+   * Number of the flight, from 1.
+   */
+  uint32_t flight;
 } fmc_record;
 
 /**

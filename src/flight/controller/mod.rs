@@ -76,6 +76,8 @@ pub struct Controller {
     exposure_s: f32,
     /// That of the camera, for the records.
     calibration: Option<CalibrationId>,
+    /// Number of the flight, for the records.
+    flight: u32,
 }
 
 impl Controller {

@@ -37,7 +37,13 @@ impl Controller {
             readiness: Readiness::new(Mode::Standby),
             exposure_s: 0.0,
             calibration: None,
+            flight: 1,
         }
+    }
+
+    /// Sets the number of the flight that begins.
+    pub(in crate::flight) const fn set_flight(&mut self, flight: u32) {
+        self.flight = flight;
     }
 
     /// Begins a flight, in standby. After a bite of the watchdog it begins with that fault. The
@@ -59,6 +65,7 @@ impl Controller {
             readiness,
             exposure_s,
             calibration,
+            flight: _,
         } = self;
         let settings = setup.settings;
         *aircraft = Aircraft::new(

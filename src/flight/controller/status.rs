@@ -127,14 +127,20 @@ impl Controller {
     /// The oldest record with this number or a higher one.
     #[must_use]
     pub fn record(&self, from_sequence: u32) -> Option<FrameRecord> {
-        let entry = self.frame.kept.records().from(from_sequence)?;
-        Some(entry.record(self.calibration))
+        let (entry, boot) = self.frame.kept.records().from(from_sequence)?;
+        Some(entry.record(self.calibration, boot, self.flight))
     }
 
     /// The calibration of the flight; `None` if it has no identity.
     #[must_use]
     pub const fn calibration(&self) -> Option<CalibrationId> {
         self.calibration
+    }
+
+    /// Number of the flight, from 1; each preparation of a camera begins another.
+    #[must_use]
+    pub const fn flight(&self) -> u32 {
+        self.flight
     }
 
     /// Records that have not been acknowledged.

@@ -50,9 +50,16 @@ pub mod loading;
 pub mod message;
 pub mod packet;
 mod point_correction;
+#[cfg(feature = "store")]
+mod record_keeper;
+pub mod records_in_flash;
 pub mod refusal;
 mod reply;
 mod responder;
+#[cfg(feature = "store")]
+mod ring_contents;
+#[cfg(feature = "store")]
+mod ring_taking_up;
 mod round;
 mod shelf;
 pub mod station;
@@ -62,7 +69,7 @@ mod taking_up;
 pub mod wired_deck;
 
 /// Version of packets and messages. It changes whenever a message does.
-pub const PROTOCOL_VERSION: u8 = 9;
+pub const PROTOCOL_VERSION: u8 = 10;
 
 /// Number of points in one message; every buffer's size follows from it.
 pub const MAX_POINTS: usize = 64;
