@@ -10,6 +10,8 @@ use super::controller::{
 };
 use super::drive::kind::DriveKind;
 use super::drive::settings::DriveSettings;
+#[cfg(feature = "link")]
+use super::record_log::FIRST_BOOT;
 use super::settings::FlightSettings;
 use crate::geometry::range::OutOfRange;
 
@@ -27,6 +29,11 @@ pub(crate) struct CameraSlot {
     /// Controller, made in its place at the first flight, so that a deck without one is moved
     /// without it.
     controller: Option<Controller>,
+    /// Number of the last flight; 0 before the first.
+    flight: u32,
+    /// Number of the camera's start.
+    #[cfg(feature = "link")]
+    boot: u32,
     /// The controller has the records of a flight that a reset has ended, and that cannot go on.
     #[cfg(feature = "link")]
     holds_records: bool,
@@ -40,6 +47,9 @@ impl CameraSlot {
             camera: None,
             preparation: None,
             controller: None,
+            flight: 0,
+            #[cfg(feature = "link")]
+            boot: FIRST_BOOT,
             #[cfg(feature = "link")]
             holds_records: false,
         }
@@ -98,8 +108,8 @@ impl CameraSlot {
         settings: &FlightSettings,
         set_drive: impl FnOnce(DriveSettings) -> Result<(), OutOfRange>,
     ) -> Result<(), NotFlyable> {
-        let start = self.next_start();
-        self.prepare_after(start, settings, set_drive)
+        let (start, flight) = (self.next_start(), self.flight.saturating_add(1));
+        self.prepare_after((start, flight), settings, set_drive)
     }
 
     /// As [`Self::prepare`], for the flight that a reset has ended.
@@ -115,13 +125,13 @@ impl CameraSlot {
         } else {
             self.next_start()
         };
-        self.prepare_after(start, settings, set_drive)
+        self.prepare_after((start, self.flight), settings, set_drive)
     }
 
-    /// As [`Self::prepare`], after a start of the camera.
+    /// As [`Self::prepare`], after a start of the camera, for the flight of a number.
     fn prepare_after(
         &mut self,
-        start: Start,
+        (start, flight): (Start, u32),
         settings: &FlightSettings,
         set_drive: impl FnOnce(DriveSettings) -> Result<(), OutOfRange>,
     ) -> Result<(), NotFlyable> {
@@ -132,6 +142,10 @@ impl CameraSlot {
         let preparation = self.preparation.insert(Preparation::new(camera, &settings));
         let controller = self.controller.get_or_insert_with(Controller::new);
         controller.restart(&preparation.of(camera), start);
+        controller.set_flight(flight);
+        self.flight = flight;
+        #[cfg(feature = "link")]
+        controller.set_boot(self.boot);
         self.start = match start {
             // The next flight does not go on from one before it.
             Start::FliesOn => Start::AfterWatchdog,
@@ -144,12 +158,21 @@ impl CameraSlot {
         Ok(())
     }
 
+    /// Sets the number of the camera's start and of its last flight.
+    #[cfg(feature = "link")]
+    pub(crate) const fn count_from(&mut self, boot: u32, flight: u32) {
+        self.boot = boot;
+        self.flight = flight;
+    }
+
     /// Makes room for the records of a flight with this calibration, which a reset has ended and
     /// which cannot go on.
     #[cfg(feature = "link")]
     pub(crate) fn hold_records(&mut self, calibration: CalibrationId) {
         let controller = self.controller.get_or_insert_with(Controller::new);
         controller.hold(calibration);
+        controller.set_flight(self.flight);
+        controller.set_boot(self.boot);
         self.holds_records = true;
     }
 

@@ -10,8 +10,8 @@ pub const EARLIER_CALIBRATIONS: usize = 3;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Earlier {
     /// Number of the last trigger before the exchange.
-    last_sequence: u32,
-    id: Option<CalibrationId>,
+    pub(crate) last_sequence: u32,
+    pub(crate) id: Option<CalibrationId>,
 }
 
 /// The earlier calibrations, in order; first those that are there.

@@ -353,6 +353,12 @@ impl<Drive: FlownDrive> FlownDeck<Drive> {
         self.inputs = Some(settings.inputs);
     }
 
+    /// Sets the number of the camera's start and of its last flight.
+    #[cfg(feature = "link")]
+    pub(crate) const fn count_from(&mut self, boot: u32, flight: u32) {
+        self.camera.count_from(boot, flight);
+    }
+
     /// Makes room for the records of a flight that a reset has ended, in a camera that cannot be
     /// prepared for it again.
     #[cfg(feature = "link")]

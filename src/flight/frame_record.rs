@@ -34,6 +34,12 @@ pub struct FrameRecord {
     pub flags: Flags,
     /// The calibration in use; `None` if it has no identity ([`Camera::identified`]).
     pub calibration: Option<CalibrationId>,
+    /// Number of the camera's start in which the trigger came, from 1: a reset begins another, and
+    /// camera time with it. It is counted in memory and in the records in flash, anew where both
+    /// are lost. Of triggers refused as [`Reason::RecordsFull`], that of the last.
+    pub boot: u32,
+    /// Number of the flight, from 1, counted in the same way: each preparation begins another.
+    pub flight: u32,
 }
 
 /// Outcome of a trigger.

@@ -10,6 +10,9 @@ use super::frame_record::{Flags, FrameRecord, Outcome, Reason};
 use super::in_doubt::InDoubt;
 use super::time::Time;
 
+/// Number of a start before which there was none.
+pub(crate) const FIRST_BOOT: u32 = 1;
+
 /// Number of whole records that are kept.
 pub const CAPACITY: usize = 32;
 
@@ -23,9 +26,17 @@ pub(crate) struct RecordLog {
     whole: Deque<Place, CAPACITY>,
     refused: Option<Range>,
     last_sequence: u32,
+    /// Number of the camera's start.
+    boot: u32,
     /// A record has changed since `next_unkept` has found none.
     #[cfg_attr(not(feature = "link"), allow(dead_code, reason = "of a link's camera"))]
     has_unkept: bool,
+    /// A record has changed since `next_unwritten` has found none.
+    #[cfg_attr(
+        not(feature = "store"),
+        allow(dead_code, reason = "of a camera's store")
+    )]
+    has_unwritten: bool,
 }
 
 /// A record without its calibration, which the controller knows by the record's number.
@@ -52,7 +63,12 @@ impl Entry {
     }
 
     /// The record, made with this calibration.
-    pub(crate) const fn record(&self, calibration: Option<CalibrationId>) -> FrameRecord {
+    pub(crate) const fn record(
+        &self,
+        calibration: Option<CalibrationId>,
+        boot: u32,
+        flight: u32,
+    ) -> FrameRecord {
         FrameRecord {
             sequence: self.sequence,
             trigger: self.trigger,
@@ -60,6 +76,8 @@ impl Entry {
             faults: self.faults,
             flags: self.flags,
             calibration,
+            boot,
+            flight,
         }
     }
 }
@@ -68,6 +86,8 @@ impl Entry {
 #[derive(Debug, Clone, Copy)]
 struct Place {
     record: Entry,
+    /// Number of the start in which the trigger came.
+    boot: u32,
     is_pending: bool,
     /// Copy in memory that a reset leaves alone, as it was before the last change.
     #[cfg_attr(not(feature = "link"), allow(dead_code, reason = "of a link's camera"))]
@@ -75,6 +95,12 @@ struct Place {
     /// The copy has the record as it is.
     #[cfg_attr(not(feature = "link"), allow(dead_code, reason = "of a link's camera"))]
     is_kept: bool,
+    /// The flash has the record as it is, or is about to.
+    #[cfg_attr(
+        not(feature = "store"),
+        allow(dead_code, reason = "of a camera's store")
+    )]
+    is_written: bool,
 }
 
 /// Number of a place in memory that a reset leaves alone.
@@ -89,6 +115,7 @@ pub(crate) const SLOTS: usize = CAPACITY + 1;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Unkept {
     pub(crate) record: Entry,
+    pub(crate) boot: u32,
     pub(crate) is_pending: bool,
     /// A slot without a record that is still wanted.
     pub(crate) slot: Slot,
@@ -131,6 +158,8 @@ pub(crate) struct Range {
     last_sequence: u32,
     first: Time,
     last: Time,
+    /// Number of the start in which the last trigger came.
+    boot: u32,
 }
 
 impl Range {
@@ -154,7 +183,9 @@ impl RecordLog {
             whole: Deque::new(),
             refused: None,
             last_sequence: 0,
+            boot: FIRST_BOOT,
             has_unkept: false,
+            has_unwritten: false,
         }
     }
 
@@ -164,6 +195,7 @@ impl RecordLog {
         self.refused = None;
         self.last_sequence = 0;
         self.has_unkept = false;
+        self.has_unwritten = false;
     }
 
     /// Numbers a trigger. Its record is pending until [`Self::finish`], and no later one can be
@@ -174,13 +206,16 @@ impl RecordLog {
         if let Some(range) = &mut self.refused {
             range.last_sequence = sequence;
             range.last = trigger;
+            range.boot = self.boot;
             return Numbered::Full(sequence);
         }
         let place = Place {
             record: Entry::without_room(sequence, trigger),
+            boot: self.boot,
             is_pending: true,
             slot: None,
             is_kept: false,
+            is_written: false,
         };
         if self.whole.push_back(place).is_ok() {
             self.has_unkept = true;
@@ -191,6 +226,7 @@ impl RecordLog {
             last_sequence: sequence,
             first: trigger,
             last: trigger,
+            boot: self.boot,
         });
         Numbered::Full(sequence)
     }
@@ -207,9 +243,11 @@ impl RecordLog {
                     record,
                     is_pending: false,
                     is_kept: false,
+                    is_written: false,
                     ..*place
                 };
                 self.has_unkept = true;
+                self.has_unwritten = true;
                 true
             }
             None => false,
@@ -225,7 +263,9 @@ impl RecordLog {
                     .outcome
                     .doubt(exposures, &mut record.flags, &mut record.faults);
                 place.is_kept = false;
+                place.is_written = false;
                 self.has_unkept = true;
+                self.has_unwritten = true;
             }
         }
     }
@@ -245,20 +285,22 @@ impl RecordLog {
             .unwrap_or_else(|| self.last_sequence.saturating_add(1))
     }
 
-    /// Returns the oldest record with this number or a higher one.
+    /// Returns the oldest record with this number or a higher one, and the number of the start in
+    /// which its trigger came.
     ///
     /// It returns `None` also if a pending one comes first.
     #[must_use]
-    pub(crate) fn from(&self, sequence: u32) -> Option<Entry> {
+    pub(crate) fn from(&self, sequence: u32) -> Option<(Entry, u32)> {
         let mut pending = false;
         for place in &self.whole {
             pending |= place.is_pending;
             if place.record.sequence >= sequence {
-                return (!pending).then_some(place.record);
+                return (!pending).then_some((place.record, place.boot));
             }
         }
         let range = self.refused.as_ref().filter(|_| !pending)?;
-        (sequence <= range.last_sequence).then(|| range.record(sequence.max(range.first_sequence)))
+        let record = || range.record(sequence.max(range.first_sequence));
+        (sequence <= range.last_sequence).then(|| (record(), range.boot))
     }
 
     /// Forgets the records up to this number, which the PC has, except pending ones and those after
@@ -321,6 +363,7 @@ impl RecordLog {
         let taken = slots.fold(0_u64, |taken, slot| taken | bit(slot));
         Some(Unkept {
             record: place.record,
+            boot: place.boot,
             is_pending: place.is_pending,
             slot: u8::try_from((!taken).trailing_zeros()).unwrap_or(u8::MAX),
             outdated: place.slot,
@@ -336,6 +379,11 @@ impl RecordLog {
         }
     }
 
+    /// Sets the number of the camera's start.
+    pub(crate) const fn set_boot(&mut self, boot: u32) {
+        self.boot = boot;
+    }
+
     /// Takes over the numbers of a flight that a reset has ended; its whole records follow by
     /// [`Self::take_up`], in order.
     pub(crate) fn resume(&mut self, extent: &Extent) {
@@ -343,20 +391,65 @@ impl RecordLog {
         self.refused = extent.refused;
         self.last_sequence = extent.last_sequence;
         self.has_unkept = false;
+        self.has_unwritten = false;
     }
 
     /// Takes over the next whole record, of which there is a copy in a slot. Returns `false` if
     /// there is no room for it.
-    pub(crate) fn take_up(&mut self, record: Entry, slot: Option<Slot>) -> bool {
+    pub(crate) fn take_up(&mut self, record: Entry, boot: u32, slot: Option<Slot>) -> bool {
         let place = Place {
             record,
+            boot,
             is_pending: false,
             slot,
             is_kept: false,
+            is_written: false,
         };
         // It is copied anew: a copy of a record that the reset has ended says that it is pending.
         self.has_unkept = true;
+        self.has_unwritten = true;
         self.whole.push_back(place).is_ok()
+    }
+}
+
+/// Copies of the records in flash.
+#[cfg(feature = "store")]
+impl RecordLog {
+    /// Returns a finished record that the flash does not have as it is, with the number of its
+    /// start; the oldest first.
+    pub(crate) fn next_unwritten(&mut self) -> Option<(Entry, u32)> {
+        if !self.has_unwritten {
+            return None;
+        }
+        let mut places = self.whole.iter();
+        let Some(place) = places.find(|place| !place.is_pending && !place.is_written) else {
+            // A pending one tells when it is finished.
+            self.has_unwritten = false;
+            return None;
+        };
+        Some((place.record, place.boot))
+    }
+
+    /// Notes that a record is written as it is.
+    pub(crate) fn note_written(&mut self, sequence: u32) {
+        let mut places = self.whole.iter_mut();
+        if let Some(place) = places.find(|place| place.record.sequence == sequence) {
+            place.is_written = true;
+        }
+    }
+
+    /// Notes a record that the flash has: it is not written again if it is the same.
+    pub(crate) fn note_found(&mut self, record: &Entry, boot: u32) {
+        let mut places = self.whole.iter_mut();
+        if let Some(place) = places.find(|place| place.record.sequence == record.sequence) {
+            place.is_written = place.record == *record && place.boot == boot;
+        }
+    }
+
+    /// Number of records, finished or not, that the flash does not have as they are.
+    pub(crate) fn unwritten(&self) -> u32 {
+        let unwritten = self.whole.iter().filter(|place| !place.is_written).count();
+        u32::try_from(unwritten).unwrap_or(u32::MAX)
     }
 }
 
@@ -395,13 +488,13 @@ mod tests {
         }
         finish(&mut log, 1);
         finish(&mut log, 3);
-        assert_eq!(log.from(0).unwrap().sequence, 1);
+        assert_eq!(log.from(0).unwrap().0.sequence, 1);
         assert_eq!(log.from(2), None);
         assert_eq!(log.from(3), None, "2 is still pending");
         assert_eq!(log.acknowledge(3), 2, "only 1 is forgotten");
         finish(&mut log, 2);
-        assert_eq!(log.from(0).unwrap().sequence, 2);
-        assert_eq!(log.from(3).unwrap().sequence, 3);
+        assert_eq!(log.from(0).unwrap().0.sequence, 2);
+        assert_eq!(log.from(3).unwrap().0.sequence, 3);
         assert_eq!(log.from(4), None);
         assert_eq!(log.acknowledge(2), 1);
         assert_eq!(log.acknowledge(u32::MAX), 0);
@@ -420,7 +513,7 @@ mod tests {
         }
         assert_eq!(log.kept(), last);
         let mut next = 1;
-        while let Some(record) = log.from(next) {
+        while let Some((record, _)) = log.from(next) {
             assert_eq!(record.sequence, next);
             let is_first = next <= u32::try_from(CAPACITY).unwrap();
             assert_eq!(
@@ -434,7 +527,7 @@ mod tests {
         // it.
         assert_eq!(log.acknowledge(last - 10), 10);
         assert_eq!(number(&mut log), Numbered::Full(last + 1));
-        assert_eq!(log.from(0).unwrap().sequence, last - 9);
+        assert_eq!(log.from(0).unwrap().0.sequence, last - 9);
         assert_eq!(log.acknowledge(last + 1), 0);
         assert_eq!(number(&mut log), Numbered::Pending(last + 2));
     }

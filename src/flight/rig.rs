@@ -129,6 +129,12 @@ impl Rig {
         camera.prepare_after_reset(settings, flies_on, set_drive)
     }
 
+    /// Sets the number of the camera's start and of its last flight.
+    #[cfg(feature = "link")]
+    pub(crate) const fn count_from(&mut self, boot: u32, flight: u32) {
+        self.camera.count_from(boot, flight);
+    }
+
     /// Makes room for the records of a flight that a reset has ended, in a camera that cannot be
     /// prepared for it again.
     #[cfg(feature = "link")]

@@ -23,6 +23,7 @@ import test_exchange
 import test_flight
 import test_force
 import test_memory
+import test_records
 import test_shake
 import test_shutter
 import test_skips_shutter
@@ -37,7 +38,7 @@ CLASSES = (
     test_store.Store, test_force.Force, test_flight.TenSeconds, test_shake.Shaking,
     test_start.Start, test_memory.Memory, test_stack.Stack, test_edges.Edges,
     test_shutter.Shutter, test_clock.Clock, test_client.Client, test_vectors.Vectors,
-    test_bring_up.BringUp, test_exchange.Exchange,
+    test_bring_up.BringUp, test_exchange.Exchange, test_records.Records,
 )  # fmt: skip
 # Those that are run by their names alone: they take minutes.
 APART = (test_skips_shutter.ShutterSkips, test_skips_signature.SignatureSkips)

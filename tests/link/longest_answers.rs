@@ -83,6 +83,8 @@ fn longest_record() -> FrameRecord {
         faults,
         flags,
         calibration: Some(calibration()),
+        boot: u32::MAX,
+        flight: u32::MAX,
     }
 }
 

@@ -26,6 +26,7 @@ mod loading;
 mod longest_answers;
 mod messages;
 pub(crate) mod pc;
+mod power_cuts;
 mod refusals;
 mod repeats;
 mod resets;

@@ -1,4 +1,4 @@
-//! Flash of two sectors whose supply fails at a chosen word.
+//! Flash whose supply fails at a chosen word.
 //!
 //! A word holds 32 bytes under one ECC and is written once between two erasures. A write or an
 //! erasure that is cut leaves words that read as blank, in part, as whole, otherwise at every
@@ -10,6 +10,7 @@ use embedded_storage::nor_flash::{
     ErrorType, NorFlash, NorFlashErrorKind, ReadNorFlash, check_erase, check_read, check_write,
 };
 use fmc_camera::io::store::SEAL_WORDS;
+use fmc_camera::io::store::record_flash::RecordFlash;
 
 pub(crate) const WORD: usize = 32;
 
@@ -79,11 +80,14 @@ impl Operation {
     }
 }
 
-/// The flash.
+/// The flash of a calibration.
+pub(crate) type FlashModel = FlashOf<2, SECTOR>;
+
+/// A flash of so many sectors of so many bytes.
 #[derive(Debug, Clone)]
-pub(crate) struct FlashModel {
-    /// Words of either sector up to the last that is not blank.
-    pub(crate) sectors: [Vec<Cell>; 2],
+pub(crate) struct FlashOf<const SECTORS: usize, const BYTES: usize> {
+    /// Words of each sector up to the last that is not blank.
+    pub(crate) sectors: [Vec<Cell>; SECTORS],
     /// Operations since the last start.
     pub(crate) operations: Vec<Operation>,
     /// Number of the operation that is cut, and how.
@@ -95,18 +99,24 @@ pub(crate) struct FlashModel {
     /// begun.
     seen_blank: BTreeSet<(usize, usize)>,
     random: u64,
+    /// Number of looks at an erasure that goes on, until it ends.
+    pub(crate) erasure_looks: u32,
+    /// Offset of the sector that is being erased, and looks that are left.
+    erasing: Option<(u32, u32)>,
 }
 
-impl FlashModel {
+impl<const SECTORS: usize, const BYTES: usize> FlashOf<SECTORS, BYTES> {
     pub(crate) fn blank() -> Self {
         Self {
-            sectors: [Vec::new(), Vec::new()],
+            sectors: [const { Vec::new() }; SECTORS],
             operations: Vec::new(),
             cut: None,
             is_without_supply: false,
             written_again: 0,
             seen_blank: BTreeSet::new(),
             random: 1,
+            erasure_looks: 0,
+            erasing: None,
         }
     }
 
@@ -116,6 +126,7 @@ impl FlashModel {
         self.written_again = 0;
         self.cut = None;
         self.is_without_supply = false;
+        self.erasing = None;
         self
     }
 
@@ -175,25 +186,26 @@ impl FlashModel {
             _ => erased,
         }
     }
+
+    /// Sector and word of an offset.
+    fn place(offset: u32) -> (usize, usize) {
+        let offset = usize::try_from(offset).unwrap();
+        (offset / BYTES, offset % BYTES / WORD)
+    }
 }
 
-/// Sector and word of an offset.
-fn place(offset: u32) -> (usize, usize) {
-    let offset = usize::try_from(offset).unwrap();
-    (offset / SECTOR, offset % SECTOR / WORD)
-}
-
-impl ErrorType for FlashModel {
+impl<const SECTORS: usize, const BYTES: usize> ErrorType for FlashOf<SECTORS, BYTES> {
     type Error = NorFlashErrorKind;
 }
 
-impl ReadNorFlash for FlashModel {
+impl<const SECTORS: usize, const BYTES: usize> ReadNorFlash for FlashOf<SECTORS, BYTES> {
     const READ_SIZE: usize = 1;
 
     fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), Self::Error> {
         check_read(self, offset, bytes.len())?;
         assert_eq!(bytes.len(), WORD, "the store reads by words");
-        let (sector, word) = place(offset);
+        assert_eq!(self.erasing, None, "read during an erasure");
+        let (sector, word) = Self::place(offset);
         let cell = self.sectors[sector].get(word).copied();
         let read = match cell.unwrap_or(Cell::Blank) {
             Cell::Blank => BLANK,
@@ -229,18 +241,18 @@ impl ReadNorFlash for FlashModel {
     }
 
     fn capacity(&self) -> usize {
-        2 * SECTOR
+        SECTORS * BYTES
     }
 }
 
-impl NorFlash for FlashModel {
+impl<const SECTORS: usize, const BYTES: usize> NorFlash for FlashOf<SECTORS, BYTES> {
     const WRITE_SIZE: usize = WORD;
-    const ERASE_SIZE: usize = SECTOR;
+    const ERASE_SIZE: usize = BYTES;
 
     fn erase(&mut self, from: u32, to: u32) -> Result<(), Self::Error> {
         check_erase(self, from, to)?;
-        assert_eq!(to - from, u32::try_from(SECTOR).unwrap());
-        let (sector, _) = place(from);
+        assert_eq!(to - from, u32::try_from(BYTES).unwrap());
+        let (sector, _) = Self::place(from);
         let words = self.sectors[sector].len();
         match self.begin(Operation::Erase(words))? {
             None => self.sectors[sector].clear(),
@@ -258,7 +270,8 @@ impl NorFlash for FlashModel {
     fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), Self::Error> {
         check_write(self, offset, bytes.len())?;
         assert_eq!(bytes.len(), WORD, "the store writes by words");
-        let (sector, word) = place(offset);
+        assert_eq!(self.erasing, None, "written during an erasure");
+        let (sector, word) = Self::place(offset);
         let cut = self.begin(Operation::Write(word))?;
         let random = self.next_random();
         let cells = &mut self.sectors[sector];
@@ -295,5 +308,26 @@ impl NorFlash for FlashModel {
             Some(Cut::Failing) => Cell::Failing,
         };
         Err(NorFlashErrorKind::Other)
+    }
+}
+
+impl<const SECTORS: usize, const BYTES: usize> RecordFlash for FlashOf<SECTORS, BYTES> {
+    fn begin_erasure(&mut self, offset: u32) -> Result<(), Self::Error> {
+        assert_eq!(self.erasing, None, "one erasure at a time");
+        if self.is_without_supply {
+            return Err(NorFlashErrorKind::Other);
+        }
+        self.erasing = Some((offset, self.erasure_looks));
+        Ok(())
+    }
+
+    fn end_erasure(&mut self) -> Option<Result<(), Self::Error>> {
+        let (offset, left) = self.erasing.expect("an erasure goes on");
+        if let Some(left) = left.checked_sub(1) {
+            self.erasing = Some((offset, left));
+            return None;
+        }
+        self.erasing = None;
+        Some(self.erase(offset, offset + u32::try_from(BYTES).unwrap()))
     }
 }

@@ -16,6 +16,7 @@ pub(crate) mod grids;
 pub(crate) mod images;
 mod orders;
 mod refusals;
+mod ring;
 mod short_words;
 mod signatures;
 pub(crate) mod signed;

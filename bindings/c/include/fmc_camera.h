@@ -44,7 +44,7 @@
 /**
  * Words of a flight.
  */
-#define FMC_FLIGHT_WORDS 1408
+#define FMC_FLIGHT_WORDS 1536
 
 /**
  * Most actions of one event.
@@ -909,6 +909,14 @@ typedef struct fmc_record {
    * Predicted residual smear, pixels.
    */
   float smear_px;
+  /**
+   * Number of the camera's start in which the trigger came, from 1.
+   */
+  uint32_t boot;
+  /**
+   * Number of the flight, from 1.
+   */
+  uint32_t flight;
 } fmc_record;
 
 /**

@@ -17,7 +17,7 @@ use crate::memory::{self, Extent, Storage};
 use crate::refusal::Failure;
 
 /// Words of a flight.
-pub const FMC_FLIGHT_WORDS: usize = 1408;
+pub const FMC_FLIGHT_WORDS: usize = 1536;
 
 /// Most actions of one event.
 pub const FMC_MAX_ACTIONS: usize = 6;

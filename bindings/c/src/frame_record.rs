@@ -80,6 +80,10 @@ pub struct fmc_record {
     pub smear_um: f32,
     /// Predicted residual smear, pixels.
     pub smear_px: f32,
+    /// Number of the camera's start in which the trigger came, from 1.
+    pub boot: u32,
+    /// Number of the flight, from 1.
+    pub flight: u32,
 }
 
 impl Default for fmc_calibration_id {
@@ -100,6 +104,8 @@ impl From<&FrameRecord> for fmc_record {
             sequence: record.sequence,
             faults: fault_bits(record.faults),
             flags: flag_bits(record.flags),
+            boot: record.boot,
+            flight: record.flight,
             has_calibration: code::code_of_bool(record.calibration.is_some()),
             calibration: record
                 .calibration
@@ -174,6 +180,8 @@ impl fmc_record {
             faults: faults(self.faults)?,
             flags: flags(self.flags)?,
             calibration,
+            boot: self.boot,
+            flight: self.flight,
         })
     }
 

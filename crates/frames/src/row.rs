@@ -17,7 +17,7 @@ use serde::{Deserialize, Serialize};
 pub const FOCUS_CONVENTION: &str = "A";
 
 /// Names of the columns, in their order.
-pub const NAMES: [&str; 46] = [
+pub const NAMES: [&str; 48] = [
     "sequence",
     "trigger_us",
     "outcome",
@@ -64,6 +64,8 @@ pub const NAMES: [&str; 46] = [
     "calibration_serial",
     "calibration_version",
     "calibration_storage",
+    "boot",
+    "flight",
 ];
 
 /// Stands between the names of a cell.
@@ -163,6 +165,9 @@ pub struct Row<L> {
     pub(crate) calibration_serial: Option<String>,
     pub(crate) calibration_version: Option<u32>,
     pub(crate) calibration_storage: Option<Name>,
+    /// Empty in records of a camera that did not count its starts.
+    pub(crate) boot: Option<u32>,
+    pub(crate) flight: Option<u32>,
 }
 
 impl<L: Names> Row<L> {
@@ -228,6 +233,8 @@ impl<L: Names> Row<L> {
                 .map(|id| id.version)
                 .filter(|version| *version != 0),
             calibration_storage: calibration.map(|id| Name::Borrowed(id.storage.name())),
+            boot: Some(record.boot),
+            flight: Some(record.flight),
         }
     }
 

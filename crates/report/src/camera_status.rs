@@ -15,6 +15,7 @@ use fmc_camera::io::instruments::counters::{
 };
 use fmc_camera::io::link::after_reset::{AfterReset, FlightAfterReset};
 use fmc_camera::io::link::message::Status;
+use fmc_camera::io::link::records_in_flash::RecordsInFlash;
 use serde::Serialize;
 
 use crate::calibration_identity::CalibrationIdentity;
@@ -74,7 +75,7 @@ pub fn write_text(
                 counts.triggers, counts.exposed, counts.refused
             ),
         ),
-        ("records", format!("{} to be fetched", status.kept)),
+        ("records", records_line(status)),
         (
             "irregular",
             format!(
@@ -99,6 +100,21 @@ pub fn write_text(
         }
     }
     writeln!(sink, "{}", terminal::pairs(NAMES, pairs))
+}
+
+/// Describes the records that are to be fetched.
+fn records_line(status: &Status) -> String {
+    let kept = format!("{} to be fetched", status.kept);
+    match status.in_flash {
+        RecordsInFlash::NotKept => kept,
+        RecordsInFlash::AllBut(0) => format!("{kept}, all of them in the flash"),
+        RecordsInFlash::AllBut(behind) => {
+            format!("{kept}, {behind} of them not in the flash yet")
+        }
+        RecordsInFlash::Worn => {
+            format!("{kept}; the flash takes no more, and a loss of the supply would lose them")
+        }
+    }
 }
 
 /// Describes the camera's start after a reset.
@@ -282,6 +298,8 @@ struct StatusReport {
     in_doubt: Option<InDoubt>,
     /// Number of the start, and what it has made of a flight that the reset has ended.
     after_reset: AfterReset,
+    /// Copies of the records in flash, which a loss of the supply leaves.
+    in_flash: RecordsInFlash,
     /// Counts of the wires of receiver and autopilot; null for a camera without them.
     instruments: Option<InstrumentCounters>,
 }
@@ -321,6 +339,7 @@ impl StatusReport {
             index_mm: status.index_mm,
             in_doubt: status.in_doubt,
             after_reset: status.after_reset,
+            in_flash: status.in_flash,
             instruments: None,
         }
     }

@@ -237,7 +237,15 @@ impl<P: Port> FlyingDevice for Remote<P> {
 
     fn frame_record(&mut self, from_sequence: u32) -> Result<Option<FrameRecord>, DeviceError> {
         let camera = self.fetch_record(from_sequence)?;
-        let twin = self.twin.frame_record(from_sequence)?;
+        // The twin counts neither starts of the camera nor flights before it connected.
+        let twin = self.twin.frame_record(from_sequence)?.map(|twin| {
+            let (boot, flight) = camera.map_or((0, 0), |it| (it.boot, it.flight));
+            FrameRecord {
+                boot,
+                flight,
+                ..twin
+            }
+        });
         if same_bits(&camera, &twin) {
             Ok(camera)
         } else {

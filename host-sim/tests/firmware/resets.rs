@@ -1,7 +1,8 @@
 //! Flights of the firmware in QEMU over resets of the machine, with nobody's help.
 
 use std::env;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::process::Command as Program;
 
 use fmc_camera::flight::controller::state::State;
 use fmc_camera::flight::event::{Action, Command, Event, ShutterEdge};
@@ -55,12 +56,12 @@ struct Flight {
 
 impl Flight {
     fn armed(machine: Machine) -> Self {
-        let options = QemuOptions {
-            firmware: env::var_os("FMC_FIRMWARE_WITH_DRILLS").map(PathBuf::from),
-            ..QemuOptions::default()
-        };
-        assert!(options.firmware.is_some());
-        let mut device = Qemu::start(machine, &options).unwrap();
+        Self::armed_with(machine, None)
+    }
+
+    /// With a file of the flash, if one is given.
+    fn armed_with(machine: Machine, flash: Option<&Path>) -> Self {
+        let mut device = started(machine, flash);
         let calibration = CalibrationParameters::new(100.0, [9216, 9216], 8.75);
         let settings = FlightSettings::default();
         device
@@ -151,12 +152,7 @@ impl Flight {
 
     /// Fetches all records, and acknowledges none.
     fn records(&mut self) -> Vec<FrameRecord> {
-        let (mut records, mut next) = (Vec::new(), 0);
-        while let Some(record) = self.device.remote().fetch_record(next).unwrap() {
-            next = record.sequence + 1;
-            records.push(record);
-        }
-        records
+        records_of(&mut self.device)
     }
 
     /// Resets the machine; the plant goes on without the camera for half a second.
@@ -175,6 +171,27 @@ impl Flight {
         assert_eq!(identity.reset_cause, reset.cause());
         identity.after_reset
     }
+}
+
+/// A machine with a file of the flash, if one is given.
+fn started(machine: Machine, flash: Option<&Path>) -> Qemu {
+    let options = QemuOptions {
+        firmware: env::var_os("FMC_FIRMWARE_WITH_DRILLS").map(PathBuf::from),
+        flash: flash.map(Path::to_owned),
+        ..QemuOptions::default()
+    };
+    assert!(options.firmware.is_some());
+    Qemu::start(machine, &options).unwrap()
+}
+
+/// Fetches all records, and acknowledges none.
+fn records_of(device: &mut Qemu) -> Vec<FrameRecord> {
+    let (mut records, mut next) = (Vec::new(), 0);
+    while let Some(record) = device.remote().fetch_record(next).unwrap() {
+        next = record.sequence + 1;
+        records.push(record);
+    }
+    records
 }
 
 /// Time of the last log line with these words, µs.
@@ -258,4 +275,49 @@ fn resets_in_a_row_end_in_a_camera_that_is_disarmed_and_says_so() {
         assert_eq!(flight.state(), State::Fault(Fault::Watchdog));
     }
     assert_eq!(flight.records().len(), 1);
+}
+
+#[test]
+#[ignore = "needs QEMU and the image: cargo xtask test"]
+fn machine_that_is_killed_in_flight_has_all_its_records_but_that_of_the_frame_in_flight() {
+    let folder = tempfile::tempdir().unwrap();
+    for machine in [Machine::An386, Machine::An500] {
+        let flash = folder.path().join(format!("flash of {machine}"));
+        let mut flight = Flight::armed_with(machine, Some(&flash));
+        for _ in 0..5 {
+            flight.expose();
+        }
+        let before = flight.records();
+        assert_eq!(before.len(), 5);
+        // The two oldest are on the PC; the next record tells it.
+        flight.device.remote().acknowledge_records(2).unwrap();
+        flight.expose();
+        let last = flight.records().pop().unwrap();
+        flight.round(Some(Event::Trigger));
+        flight.until(State::Exposing);
+        let id = flight.device.process_id().to_string();
+        let killed = Program::new("kill").args(["-9", &id]).status().unwrap();
+        assert!(killed.success());
+        // The file is free again.
+        drop(flight);
+
+        // Twice: the first start leaves them as they are.
+        for boot in [2, 3] {
+            let mut device = started(machine, Some(&flash));
+            let found = device.remote().identity().after_reset;
+            assert_eq!(found.outcome, FlightAfterReset::FromFlash, "{found:?}");
+            assert_eq!((found.boot, found.flight, found.records), (boot, 1, 4));
+            assert_eq!((found.unfinished, found.damaged), (0, 0));
+            assert_eq!(found.last_round, Some(last.trigger));
+            let records = records_of(&mut device);
+            assert!(records[..3] == before[2..], "{records:#?}");
+            assert!(records[3..] == [last], "{records:#?}");
+            assert!(records.iter().all(|it| (it.boot, it.flight) == (1, 1)));
+            if boot == 3 {
+                device.remote().acknowledge_records(6).unwrap();
+                let left = records_of(&mut device);
+                assert!(left.is_empty(), "{left:#?}");
+            }
+        }
+    }
 }

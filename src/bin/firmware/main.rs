@@ -18,6 +18,8 @@ mod board;
 #[cfg(board)]
 mod journal;
 
+#[cfg(all(board, feature = "store"))]
+use fmc_camera::io::store::record_ring::RingState;
 #[cfg(board)]
 use {
     board::{Board, Deck},
@@ -68,13 +70,25 @@ fn run(mut board: Board, start: ResetCause) -> ! {
     if let Some(store) = &mut store {
         journal::note_stored(station.load_stored(store));
     }
-    journal::note_flight(&station.keep_flight_in(Board::flight_memory(start)));
+    let found = station.keep_flight_in(Board::flight_memory(start));
+    #[cfg(feature = "store")]
+    let mut ring = board.records();
+    #[cfg(feature = "store")]
+    let found = ring
+        .as_mut()
+        .map_or(found, |ring| station.keep_records_in(ring));
+    journal::note_flight(&found);
     let mut ending = None;
     loop {
         board.feed_watchdog();
         board.fly(station.deck_mut());
         // After every round and every request, before anything of the answer leaves.
         station.keep_flight();
+        #[cfg(feature = "store")]
+        let ring_state = ring.as_mut().map_or(RingState::Idle, |ring| {
+            station.keep_records(ring);
+            ring.state()
+        });
         station.count_overrun(board.overruns());
         let waiting = station.to_send();
         if !waiting.is_empty() {
@@ -88,6 +102,17 @@ fn run(mut board: Board, start: ResetCause) -> ! {
             Some(LinkEvent::PowerOff) => board.power_off(),
             _ => {}
         }
+        #[cfg(feature = "store")]
+        if let (Some(LinkEvent::Store), Some(store)) = (ending, &mut store) {
+            // Both are in one bank, which does one thing at a time; between two words it is free.
+            if ring_state == RingState::Erasing {
+                continue;
+            }
+            let stored = station.store(store);
+            journal::note(stored);
+            ending = Some(stored);
+            continue;
+        }
         match board.receive() {
             Some(byte) => {
                 ending = station.receive(byte);
@@ -97,15 +122,13 @@ fn run(mut board: Board, start: ResetCause) -> ! {
                 {
                     ending = station.receive(byte);
                 }
-                #[cfg(feature = "store")]
-                if let (Some(LinkEvent::Store), Some(store)) = (ending, &mut store) {
-                    journal::note(LinkEvent::Store);
-                    ending = Some(station.store(store));
-                }
                 if let Some(event) = ending {
                     journal::note(event);
                 }
             }
+            // An entry that is being written does not wait for the next byte.
+            #[cfg(feature = "store")]
+            None if ring_state == RingState::Writing => {}
             None => board.idle(),
         }
     }

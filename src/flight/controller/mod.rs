@@ -81,6 +81,8 @@ pub struct Controller {
     focus_shift_um: f32,
     /// Those of the camera, for the records.
     calibrations: FlownCalibrations,
+    /// Number of the flight, for the records.
+    flight: u32,
 }
 
 impl Controller {

@@ -30,6 +30,58 @@ pub(crate) struct FlightState {
     pub(crate) in_doubt: Option<InDoubt>,
 }
 
+#[cfg(feature = "store")]
+impl FlightState {
+    /// State of a flight that has ended without supply, of its records, the number of those with an
+    /// exposure, and the exposures in doubt.
+    pub(crate) const fn ended(records: Extent, exposed: u32, in_doubt: Option<InDoubt>) -> Self {
+        let triggers = records.last_sequence;
+        Self {
+            is_flying: false,
+            exposure_bits: 0,
+            focus_shift_bits: 0,
+            counts: [triggers, exposed, triggers.saturating_sub(exposed), 0],
+            records,
+            in_doubt,
+        }
+    }
+}
+
+/// Records in flash.
+#[cfg(feature = "store")]
+impl Controller {
+    /// Exposures that a crossing of the index mark is still to confirm.
+    pub(crate) fn unconfirmed(&self) -> Option<InDoubt> {
+        let mut unconfirmed = self.stage.unconfirmed;
+        unconfirmed.take()
+    }
+
+    /// Numbers of the records that are not acknowledged.
+    pub(crate) fn extent(&self) -> Extent {
+        self.frame.kept.records().extent()
+    }
+
+    /// Returns a finished record that the flash does not have as it is.
+    pub(crate) fn next_unwritten(&mut self) -> Option<(Entry, u32)> {
+        self.records_mut().next_unwritten()
+    }
+
+    /// Notes that a record is written as it is.
+    pub(crate) fn note_written(&mut self, sequence: u32) {
+        self.records_mut().note_written(sequence);
+    }
+
+    /// Notes a record that the flash has.
+    pub(crate) fn note_found(&mut self, record: &Entry, boot: u32) {
+        self.records_mut().note_found(record, boot);
+    }
+
+    /// Number of records that the flash does not have as they are.
+    pub(crate) fn unwritten(&self) -> u32 {
+        self.frame.kept.records().unwritten()
+    }
+}
+
 impl Controller {
     /// The state that outlives a reset.
     pub(crate) fn flight_state(&self) -> FlightState {
@@ -68,6 +120,11 @@ impl Controller {
         self.calibrations.earlier()
     }
 
+    /// Sets the number of the camera's start.
+    pub(in crate::flight) const fn set_boot(&mut self, boot: u32) {
+        self.records_mut().set_boot(boot);
+    }
+
     /// Takes over the state of the flight before the reset, after the controller has been
     /// restarted, and its earlier calibrations. Its records follow by [`Self::take_up`].
     pub(crate) fn take_over(&mut self, state: &FlightState, earlier: EarlierList) {
@@ -88,14 +145,15 @@ impl Controller {
 
     /// Takes over the next record of the flight before the reset. Returns `false` if there is no
     /// room for it.
-    pub(crate) fn take_up(&mut self, record: Entry, slot: Option<Slot>) -> bool {
-        self.records_mut().take_up(record, slot)
+    pub(crate) fn take_up(&mut self, record: Entry, boot: u32, slot: Option<Slot>) -> bool {
+        self.records_mut().take_up(record, boot, slot)
     }
 
-    /// Takes over a trigger whose record the reset has ended, or damaged: an image of it may exist.
+    /// Takes over a trigger, by its number and that of its start, whose record the reset has ended,
+    /// or damaged: an image of it may exist.
     pub(crate) fn take_up_unfinished(
         &mut self,
-        sequence: u32,
+        [sequence, boot]: [u32; 2],
         trigger: Time,
         slot: Option<Slot>,
     ) -> bool {
@@ -108,7 +166,7 @@ impl Controller {
             faults,
             flags: Flags::NONE,
         };
-        self.take_up(record, slot)
+        self.take_up(record, boot, slot)
     }
 
     /// Holds the records of a flight that cannot go on, in a camera that is not prepared.

@@ -39,7 +39,13 @@ impl Controller {
             exposure_s: 0.0,
             focus_shift_um: 0.0,
             calibrations: FlownCalibrations::new(None),
+            flight: 1,
         }
+    }
+
+    /// Sets the number of the flight that begins.
+    pub(in crate::flight) const fn set_flight(&mut self, flight: u32) {
+        self.flight = flight;
     }
 
     /// Begins a flight, in standby. After a bite of the watchdog it begins with that fault. The
@@ -62,6 +68,7 @@ impl Controller {
             exposure_s,
             focus_shift_um,
             calibrations,
+            flight: _,
         } = self;
         let settings = setup.settings;
         *aircraft = Aircraft::new(

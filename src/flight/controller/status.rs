@@ -127,14 +127,21 @@ impl Controller {
     /// The oldest record with this number or a higher one.
     #[must_use]
     pub fn record(&self, from_sequence: u32) -> Option<FrameRecord> {
-        let entry = self.frame.kept.records().from(from_sequence)?;
-        Some(entry.record(self.calibrations.of(entry.sequence)))
+        let (entry, boot) = self.frame.kept.records().from(from_sequence)?;
+        let calibration = self.calibrations.of(entry.sequence);
+        Some(entry.record(calibration, boot, self.flight))
     }
 
     /// The calibration in use; `None` if it has no identity.
     #[must_use]
     pub const fn calibration(&self) -> Option<CalibrationId> {
         self.calibrations.present()
+    }
+
+    /// Number of the flight, from 1; each preparation of a camera begins another.
+    #[must_use]
+    pub const fn flight(&self) -> u32 {
+        self.flight
     }
 
     /// Records that have not been acknowledged.

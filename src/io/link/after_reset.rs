@@ -10,14 +10,16 @@ use crate::flight::time::Time;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct AfterReset {
-    /// Number of the start, from 1, since the camera's memory was last without supply.
+    /// Number of the start, from 1, counted in the camera's memory and in its records in flash, and
+    /// anew if both are lost.
     pub boot: u32,
     /// Number of the last flight that was prepared, counted in the same way; 0 before the first.
     pub flight: u32,
     /// Fate of the flight.
     pub outcome: FlightAfterReset,
-    /// Time of the last round before the reset, by the clock of that start; `None` if there was
-    /// none, or it is damaged.
+    /// Time of the last round before the reset, by the clock of that start; that of the last
+    /// trigger, if the records are [from the flash](FlightAfterReset::FromFlash); `None` if there
+    /// was none, or it is damaged.
     pub last_round: Option<Time>,
     /// Records of the flight that were not acknowledged, and are there.
     pub records: u32,
@@ -68,6 +70,10 @@ pub enum FlightAfterReset {
     NoGrids,
     /// The camera cannot be prepared with these settings any more; as before.
     NotFlyable,
+    /// The camera has been without supply, or its memory was of no use: its flash has the records.
+    /// Up to two that followed the last one may be missing: that of a frame in flight, and one that
+    /// was being written.
+    FromFlash,
 }
 
 /// Number of resets in a row after which a flight goes on by itself, each within [`STEADY_S`] after
@@ -93,6 +99,9 @@ impl FlightAfterReset {
             Self::NoCalibration => "the flight cannot go on: its calibration is gone",
             Self::NoGrids => "the flight cannot go on: its residual grids are gone",
             Self::NotFlyable => "the flight cannot go on: the camera cannot be prepared",
+            Self::FromFlash => {
+                "the records are from the flash: up to two after them may be missing"
+            }
         }
     }
 }

@@ -3,6 +3,7 @@
 use super::after_reset::AfterReset;
 use super::digest;
 use super::message::{self, FetchedRecord, Inputs, Refusal, Status};
+use super::records_in_flash::RecordsInFlash;
 use crate::flight::bring_up::Trial;
 use crate::flight::calibration_id::CalibrationId;
 use crate::flight::camera::{self, Camera};
@@ -55,6 +56,10 @@ pub trait FlightDeck {
         settings: &FlightSettings,
         flies_on: bool,
     ) -> Result<(), Refusal>;
+
+    /// Sets the number of the camera's start, and that of the last flight, from which it counts on.
+    /// It comes before the first preparation.
+    fn count_from(&mut self, boot: u32, flight: u32);
 
     /// Makes room for the records of a flight with this calibration that a reset has ended, in a
     /// camera that cannot be prepared for it again.
@@ -198,6 +203,10 @@ impl FlightDeck for RigDeck {
         Ok(())
     }
 
+    fn count_from(&mut self, boot: u32, flight: u32) {
+        self.rig.count_from(boot, flight);
+    }
+
     fn hold_records(&mut self, calibration: CalibrationId) {
         self.rig.hold_records(calibration);
     }
@@ -278,6 +287,10 @@ impl<Drive: FlownDrive> FlightDeck for FlownDeck<Drive> {
         flies_on: bool,
     ) -> Result<(), Refusal> {
         Ok(Self::prepare_after_reset(self, settings, flies_on)?)
+    }
+
+    fn count_from(&mut self, boot: u32, flight: u32) {
+        Self::count_from(self, boot, flight);
     }
 
     fn hold_records(&mut self, calibration: CalibrationId) {
@@ -449,8 +462,13 @@ pub(super) fn acknowledge(
     Ok(controller.acknowledge(sequence))
 }
 
-/// Status of the flight, or of a camera that holds the records of one; after this start.
-pub(super) fn status(deck: &impl FlightDeck, after_reset: AfterReset) -> Result<Status, Refusal> {
+/// Status of the flight, or of a camera that holds the records of one; after this start, with
+/// copies of the records in flash.
+pub(super) fn status(
+    deck: &impl FlightDeck,
+    after_reset: AfterReset,
+    in_flash: impl FnOnce(&Controller) -> RecordsInFlash,
+) -> Result<Status, Refusal> {
     let holder = || deck.record_holder().filter(|holder| holder.kept() > 0);
     let controller = deck.controller().or_else(holder);
     let controller = controller.ok_or(Refusal::NotPrepared)?;
@@ -468,6 +486,7 @@ pub(super) fn status(deck: &impl FlightDeck, after_reset: AfterReset) -> Result<
         index_mm: controller.index_mm(),
         in_doubt: controller.in_doubt(),
         after_reset,
+        in_flash: in_flash(controller),
     })
 }
 

@@ -46,7 +46,7 @@ impl FlightKeeper {
         parameters: Option<&CameraParameters>,
         controller: Option<&Controller>,
     ) {
-        self.head.flight = self.head.flight.saturating_add(1);
+        self.head.flight = controller.map_or(self.head.flight, Controller::flight);
         self.head.resumed = 0;
         self.head.prepared = None;
         let Some(memory) = self.memory else {
@@ -126,6 +126,7 @@ impl FlightKeeper {
                 flight: self.head.flight,
                 writing: self.head.writing,
                 is_pending: unkept.is_pending,
+                boot: unkept.boot,
                 record: unkept.record,
             };
             memory.write_record(&record, unkept.slot, unkept.outdated);

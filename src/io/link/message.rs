@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::after_reset::AfterReset;
 use super::packet::Packet;
+use super::records_in_flash::RecordsInFlash;
 pub use super::refusal::Refusal;
 use super::{MAX_GRID_PART, MAX_OBSERVATIONS, MAX_PART, MAX_POINTS, PROTOCOL_VERSION};
 use crate::flight::bring_up::{EdgeCounts, LineLevels, Trial, TrialReport};
@@ -360,6 +361,8 @@ pub struct Status {
     pub in_doubt: Option<InDoubt>,
     /// Number of the start, and what it has made of a flight that the reset has ended.
     pub after_reset: AfterReset,
+    /// Copies of the records in flash, which a loss of the supply leaves.
+    pub in_flash: RecordsInFlash,
 }
 
 /// A part of a camera's parameters, or of a residual grid.

@@ -50,9 +50,16 @@ pub mod loading;
 pub mod message;
 pub mod packet;
 mod point_correction;
+#[cfg(feature = "store")]
+mod record_keeper;
+pub mod records_in_flash;
 pub mod refusal;
 mod reply;
 mod responder;
+#[cfg(feature = "store")]
+mod ring_contents;
+#[cfg(feature = "store")]
+mod ring_taking_up;
 mod round;
 mod shelf;
 pub mod station;

@@ -11,6 +11,8 @@ use super::loading::Loading;
 use super::message::{Answer, Counters, Ending, Header, Identity, Refusal, Request, Unreadable};
 use super::packet::Damage;
 use super::point_correction::PointCorrection;
+#[cfg(feature = "store")]
+use super::record_keeper::RecordKeeper;
 use super::reply::Reply;
 use super::shelf::Shelf;
 use super::{batch, digest, message, round};
@@ -40,6 +42,8 @@ pub(super) struct Responder<Deck> {
     pub(super) fitting: Fitting,
     pub(super) shelf: Shelf,
     pub(super) keeper: FlightKeeper,
+    #[cfg(feature = "store")]
+    pub(super) records: RecordKeeper,
     pub(super) reply: Reply,
     pub(super) counters: Counters,
 }
@@ -309,7 +313,11 @@ impl<Deck: FlightDeck> Responder<Deck> {
                     flight: self.keeper.head.flight,
                     ..self.identity.after_reset
                 };
-                Answer::Status(deck::status(&self.deck, after_reset)?)
+                #[cfg(feature = "store")]
+                let in_flash = |controller: &_| self.records.in_flash(controller);
+                #[cfg(not(feature = "store"))]
+                let in_flash = |_: &_| super::records_in_flash::RecordsInFlash::NotKept;
+                Answer::Status(deck::status(&self.deck, after_reset, in_flash)?)
             }
             Request::Stored => self.shelf.tell()?,
             Request::Inputs => Answer::Inputs(self.deck.inputs().ok_or(Refusal::NoInputs)?),

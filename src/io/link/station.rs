@@ -11,6 +11,8 @@ pub use super::link_event::LinkEvent;
 use super::loading::Loading;
 use super::message::{Counters, Identity, Refusal};
 use super::packet::PacketReceiver;
+#[cfg(feature = "store")]
+use super::record_keeper::RecordKeeper;
 use super::reply::Reply;
 pub use super::responder::NOBODY;
 use super::responder::{Responder, count_more};
@@ -19,7 +21,10 @@ use crate::flight::calibration_id::{CalibrationId, Storage};
 use crate::flight::camera::CameraParameters;
 use crate::flight::grid_memory::GridMemory;
 #[cfg(feature = "store")]
-use crate::io::store::{CalibrationStore, NothingStored, SignatureVerifier, StoredIdentity};
+use crate::io::store::{
+    CalibrationStore, NothingStored, SignatureVerifier, StoredIdentity, record_flash::RecordFlash,
+    record_ring::RecordRing,
+};
 #[cfg(feature = "store")]
 use embedded_storage::nor_flash::NorFlash;
 
@@ -61,6 +66,8 @@ impl<Deck: FlightDeck> Station<Deck> {
                 fitting: Fitting::NONE,
                 shelf: Shelf::NONE,
                 keeper: FlightKeeper::NONE,
+                #[cfg(feature = "store")]
+                records: RecordKeeper::NONE,
                 reply: Reply::NONE,
                 counters: Counters {
                     done: 0,
@@ -142,6 +149,23 @@ impl<Deck: FlightDeck> Station<Deck> {
     #[inline]
     pub fn keep_flight(&mut self) {
         self.responder.keep_flight();
+    }
+
+    /// Keeps the records in a ring of the flash, and takes up those that are there and not
+    /// acknowledged, unless memory has had them. Returns the findings.
+    ///
+    /// It is called once, after [`Self::keep_flight_in`] and before the first round.
+    #[cfg(feature = "store")]
+    pub fn keep_records_in<F: RecordFlash>(&mut self, ring: &mut RecordRing<F>) -> AfterReset {
+        self.responder.keep_records_in(ring)
+    }
+
+    /// Carries the ring's work on, by one word of the flash at most: after every round of the
+    /// control loop and every request.
+    #[cfg(feature = "store")]
+    #[inline]
+    pub fn keep_records<F: RecordFlash>(&mut self, ring: &mut RecordRing<F>) {
+        self.responder.keep_records(ring);
     }
 
     /// Takes a byte from the wire. Returns an event if the byte ends a packet.

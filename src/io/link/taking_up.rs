@@ -45,6 +45,8 @@ impl<Deck: FlightDeck> Responder<Deck> {
             }
             None => Some(FlightAfterReset::Damaged),
         };
+        let KeptHead { boot, flight, .. } = self.keeper.head;
+        self.deck.count_from(boot, flight);
         let flight = found.and_then(|head| head.prepared);
         let last_round = flight.and_then(|_| memory.time());
         let (outcome, taken_up) = match (outcome, flight) {
@@ -173,6 +175,7 @@ impl<Deck: FlightDeck> Responder<Deck> {
         let Some(controller) = self.deck.record_holder_mut() else {
             return taken_up;
         };
+        let before = self.keeper.head.boot.saturating_sub(1);
         let mut state = flight.state;
         let found = newest(memory, flight_number);
         // A trigger may have come after the state was written.
@@ -194,15 +197,17 @@ impl<Deck: FlightDeck> Responder<Deck> {
             let record = slot.and_then(|slot| memory.record(slot));
             match record {
                 Some(kept) if !kept.is_pending => {
-                    controller.take_up(kept.record, slot);
+                    controller.take_up(kept.record, kept.boot, slot);
                 }
                 Some(kept) => {
                     taken_up.unfinished = taken_up.unfinished.saturating_add(1);
-                    controller.take_up_unfinished(sequence, kept.record.trigger, slot);
+                    let numbers = [sequence, kept.boot];
+                    controller.take_up_unfinished(numbers, kept.record.trigger, slot);
                 }
                 None => {
                     taken_up.damaged = taken_up.damaged.saturating_add(1);
-                    controller.take_up_unfinished(sequence, Time::START, None);
+                    let numbers = [sequence, before];
+                    controller.take_up_unfinished(numbers, Time::START, None);
                 }
             }
         }

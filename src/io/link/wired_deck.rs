@@ -92,6 +92,10 @@ impl<Drive: FlownDrive> FlightDeck for WiredDeck<Drive> {
         Ok(())
     }
 
+    fn count_from(&mut self, boot: u32, flight: u32) {
+        self.flown.count_from(boot, flight);
+    }
+
     fn hold_records(&mut self, calibration: CalibrationId) {
         self.flown.hold_records(calibration);
     }

@@ -56,6 +56,12 @@ mod probe_point;
 #[cfg(feature = "store")]
 mod public_key;
 #[cfg(feature = "store")]
+pub mod record_flash;
+#[cfg(feature = "store")]
+pub mod record_ring;
+#[cfg(feature = "store")]
+mod ring_entry;
+#[cfg(feature = "store")]
 mod slot;
 mod statement;
 mod stored_identity;

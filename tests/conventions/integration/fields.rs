@@ -41,6 +41,8 @@ fn fields_of_a_record_are_those_of_the_code() {
         faults,
         flags,
         calibration,
+        boot,
+        flight,
     });
     assert_eq!(documented("field of `FrameRecord`"), sorted(record));
     let calibration = fields!(CalibrationId {

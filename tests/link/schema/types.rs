@@ -32,6 +32,7 @@ use fmc_camera::geometry::sensor::FmcAxis;
 use fmc_camera::geometry::shutter::ShutterProfile;
 use fmc_camera::io::link::after_reset::FlightAfterReset;
 use fmc_camera::io::link::message::{Answer, Ending, Header, Refusal, Request, ResetCause};
+use fmc_camera::io::link::records_in_flash::RecordsInFlash;
 use fmc_camera::io::store::{
     NotStored, NothingStored, OriginError, SlotFault, StoreStep, StoredIdentity,
 };
@@ -88,6 +89,7 @@ pub(super) fn registry() -> Registry {
         Polynomial,
         Quantity,
         Reason,
+        RecordsInFlash,
         Refusal,
         Regressor,
         ResetCause,

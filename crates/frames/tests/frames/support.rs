@@ -84,6 +84,8 @@ pub(crate) fn flight(camera: &Camera, crc: u32) -> (Vec<FrameRecord>, Vec<Camera
             faults: Faults::NONE,
             flags,
             calibration: Some(calibration(crc)),
+            boot: 1,
+            flight: 1,
         });
     }
     let mut faults = Faults::NONE;
@@ -95,6 +97,8 @@ pub(crate) fn flight(camera: &Camera, crc: u32) -> (Vec<FrameRecord>, Vec<Camera
         faults,
         flags: Flags::NONE,
         calibration: Some(calibration(crc)),
+        boot: 1,
+        flight: 1,
     });
     (frames, flown)
 }

@@ -113,6 +113,8 @@ mod tests {
             faults: Faults::NONE,
             flags,
             calibration: Some(calibration()),
+            boot: 1,
+            flight: 1,
         };
         let mut faults = Faults::NONE;
         faults.insert(Fault::Stall);
@@ -123,6 +125,8 @@ mod tests {
             faults,
             flags: Flags::NONE,
             calibration: Some(calibration()),
+            boot: 1,
+            flight: 1,
         };
         vec![exposed, refused]
     }

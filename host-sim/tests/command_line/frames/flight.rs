@@ -110,6 +110,8 @@ pub(in crate::command_line) fn flight_with(text: &str, grids: &[(&str, &[u8])]) 
                 crc,
                 storage: Storage::Volatile,
             }),
+            boot: 1,
+            flight: 1,
         });
     }
     let csv = File::create(bench.path("records.csv")).unwrap();

@@ -3,7 +3,8 @@
 //! A board brings a type `Board` with
 //! - `start`: the board and the cause of its start; `None` if the start fails;
 //! - `NAME`, and `CAN_POWER_OFF`: `true` if `power_off` switches the power off;
-//! - `store`, where the feature `store` is on: the store of the calibration in the board's flash;
+//! - `store` and `records`, where the feature `store` is on: the store of the calibration and the
+//!   ring of records in the board's flash;
 //! - `flight_memory`: memory that a reset leaves alone, by the cause of the start;
 //! - `deck`: the camera of the link, a type `Deck`, not prepared; `fly`: makes a round of the
 //!   control loop if one is due, and never waits;

@@ -47,5 +47,7 @@ pub(crate) struct KeptRecord {
     pub(crate) writing: u32,
     /// The frame is in flight.
     pub(crate) is_pending: bool,
+    /// Number of the start in which the trigger came.
+    pub(crate) boot: u32,
     pub(crate) record: Entry,
 }

@@ -25,6 +25,7 @@ fn record(writing: u32, reason: Reason) -> KeptRecord {
         flight: 7,
         writing,
         is_pending: false,
+        boot: 3,
         record: Entry {
             sequence: 12,
             trigger: Time::from_us(1_234_567),

@@ -12,6 +12,7 @@ use fmc_camera::flight::frame_record::{ExposedFrame, Flags};
 use fmc_camera::flight::principal_point_sigma::PrincipalPointSigma;
 use fmc_camera::flight::time::Time;
 use fmc_camera::io::link::after_reset::{AfterReset, FlightAfterReset};
+use fmc_camera::io::link::records_in_flash::RecordsInFlash;
 use fmc_camera_file::CameraFile;
 use fmc_frames::record_files::{CSV, JSON, RecordFiles};
 use serde_json::Value;
@@ -75,6 +76,8 @@ fn exposed(sequence: u32) -> FrameRecord {
         faults: Faults::NONE,
         flags: Flags::NONE,
         calibration: None,
+        boot: 1,
+        flight: 1,
     }
 }
 
@@ -216,6 +219,7 @@ impl RecordSource for Flying {
             index_mm: None,
             in_doubt: self.in_doubt,
             after_reset: self.after_reset,
+            in_flash: RecordsInFlash::NotKept,
         })
     }
 

@@ -1,5 +1,5 @@
-//! A flash in the machine's PSRAM, which a reset leaves alone: two sectors of 128 KB in words of 32
-//! bytes, as in bank 2 of an STM32H743.
+//! A flash in the machine's PSRAM, which a reset leaves alone: sectors of 128 KB in words of 32
+//! bytes, as in bank 2 of an STM32H743; two for the calibration, six for records.
 //!
 //! A word is written once between two erasures. Beside it stands its CRC-32, in the place of an
 //! ECC: a word whose bytes and CRC-32 do not fit each other, as after QEMU has been killed between
@@ -11,14 +11,16 @@ use embedded_storage::nor_flash::{
     ErrorType, NorFlash, NorFlashErrorKind, ReadNorFlash, check_erase, check_read, check_write,
 };
 
+use fmc_camera::io::store::record_flash::RecordFlash;
+
 use super::registers::SharedMemory;
 
-/// Place of the words in the memory.
-const WORDS_AT: usize = 0x10_0000;
-/// Place of their CRC-32.
-const CHECKS_AT: usize = WORDS_AT + CAPACITY;
+/// Places of the words in the memory: of the calibration, and of the records.
+const CALIBRATION_AT: usize = 0x10_0000;
+const RECORDS_AT: usize = 0x20_0000;
 const SECTOR: usize = 0x2_0000;
-const CAPACITY: usize = 2 * SECTOR;
+const CALIBRATION_SECTORS: usize = 2;
+pub(super) const RECORD_SECTORS: usize = 6;
 const WORD: usize = 32;
 /// Bytes of a machine's word, which is written at once.
 const PIECE: usize = size_of::<u32>();
@@ -26,36 +28,58 @@ const PIECE: usize = size_of::<u32>();
 /// Table-free, since words are few and memory is scarce.
 const CRC: Crc<u32, Table<0>> = Crc::<u32, Table<0>>::new(&CRC_32_ISO_HDLC);
 
-/// The flash.
+/// A part of the flash.
 #[derive(Clone, Copy)]
-pub(crate) struct Flash(SharedMemory);
+pub(crate) struct Flash {
+    memory: SharedMemory,
+    words_at: usize,
+    capacity: usize,
+    /// Offset of the sector of which an erasure has been begun.
+    erasing: Option<u32>,
+}
 
 impl Flash {
-    pub(super) const fn of(memory: SharedMemory) -> Self {
-        Self(memory)
+    /// The part of the calibration.
+    pub(super) const fn of_calibration(memory: SharedMemory) -> Self {
+        Self::of(memory, CALIBRATION_AT, CALIBRATION_SECTORS)
     }
 
-    /// Places of the pieces of the word with this offset, and of its CRC-32.
-    fn places(offset: usize) -> (impl Iterator<Item = usize>, usize) {
-        let first = WORDS_AT + offset;
-        let check = CHECKS_AT + offset / WORD * PIECE;
+    /// The part of the records.
+    pub(super) const fn of_records(memory: SharedMemory) -> Self {
+        Self::of(memory, RECORDS_AT, RECORD_SECTORS)
+    }
+
+    const fn of(memory: SharedMemory, words_at: usize, sectors: usize) -> Self {
+        Self {
+            memory,
+            words_at,
+            capacity: sectors * SECTOR,
+            erasing: None,
+        }
+    }
+
+    /// Places of the pieces of the word with this offset, and of its CRC-32: these are behind the
+    /// words.
+    fn places(self, offset: usize) -> (impl Iterator<Item = usize>, usize) {
+        let first = self.words_at + offset;
+        let check = self.words_at + self.capacity + offset / WORD * PIECE;
         ((first..first + WORD).step_by(PIECE), check)
     }
 
     fn is_blank(self, offset: usize) -> bool {
-        let (mut pieces, check) = Self::places(offset);
-        self.0.read_word(check) == 0 && pieces.all(|at| self.0.read_word(at) == 0)
+        let (mut pieces, check) = self.places(offset);
+        self.memory.read_word(check) == 0 && pieces.all(|at| self.memory.read_word(at) == 0)
     }
 
     fn read_word(self, offset: usize, word: &mut [u8]) -> Result<(), NorFlashErrorKind> {
-        let (pieces, check) = Self::places(offset);
+        let (pieces, check) = self.places(offset);
         for (at, bytes) in pieces.zip(word.chunks_mut(PIECE)) {
-            let piece = (!self.0.read_word(at)).to_le_bytes();
+            let piece = (!self.memory.read_word(at)).to_le_bytes();
             for (place, byte) in bytes.iter_mut().zip(piece) {
                 *place = byte;
             }
         }
-        if self.is_blank(offset) || !self.0.read_word(check) == CRC.checksum(word) {
+        if self.is_blank(offset) || !self.memory.read_word(check) == CRC.checksum(word) {
             Ok(())
         } else {
             Err(NorFlashErrorKind::Other)
@@ -66,13 +90,13 @@ impl Flash {
         if !self.is_blank(offset) {
             return Err(NorFlashErrorKind::Other);
         }
-        let (pieces, check) = Self::places(offset);
+        let (pieces, check) = self.places(offset);
         for (at, bytes) in pieces.zip(word.chunks(PIECE)) {
             if let Ok(piece) = bytes.try_into() {
-                self.0.write_word(at, !u32::from_le_bytes(piece));
+                self.memory.write_word(at, !u32::from_le_bytes(piece));
             }
         }
-        self.0.write_word(check, !CRC.checksum(word));
+        self.memory.write_word(check, !CRC.checksum(word));
         Ok(())
     }
 }
@@ -94,7 +118,7 @@ impl ReadNorFlash for Flash {
     }
 
     fn capacity(&self) -> usize {
-        CAPACITY
+        self.capacity
     }
 }
 
@@ -105,11 +129,11 @@ impl NorFlash for Flash {
     fn erase(&mut self, from: u32, to: u32) -> Result<(), Self::Error> {
         check_erase(self, from, to)?;
         for offset in (from..to).step_by(WORD) {
-            let (pieces, check) = Self::places(usize::try_from(offset).unwrap_or(usize::MAX));
+            let (pieces, check) = self.places(usize::try_from(offset).unwrap_or(usize::MAX));
             for at in pieces {
-                self.0.write_word(at, 0);
+                self.memory.write_word(at, 0);
             }
-            self.0.write_word(check, 0);
+            self.memory.write_word(check, 0);
         }
         Ok(())
     }
@@ -121,5 +145,23 @@ impl NorFlash for Flash {
             self.write_word(offset, word)?;
         }
         Ok(())
+    }
+}
+
+impl RecordFlash for Flash {
+    /// The erasure takes place when it is looked for: it takes no time.
+    fn begin_erasure(&mut self, offset: u32) -> Result<(), Self::Error> {
+        self.erasing = Some(offset);
+        Ok(())
+    }
+
+    fn end_erasure(&mut self) -> Option<Result<(), Self::Error>> {
+        let offset = self.erasing.take()?;
+        let end = u32::try_from(SECTOR)
+            .ok()
+            .and_then(|it| offset.checked_add(it));
+        Some(end.map_or(Err(NorFlashErrorKind::OutOfBounds), |end| {
+            self.erase(offset, end)
+        }))
     }
 }

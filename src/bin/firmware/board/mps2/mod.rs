@@ -23,11 +23,11 @@ use cortex_m::peripheral::{Peripherals, SCB};
 use cortex_m_semihosting::debug;
 
 use fmc_camera::io::link::{deck::RigDeck, flight_memory::FlightMemory, message::ResetCause};
-use fmc_camera::io::store::CalibrationStore;
+use fmc_camera::io::store::{CalibrationStore, record_ring::RecordRing};
 
 use super::{cause, flight_memory, memory_guard, trust};
 use blocks::Blocks;
-use flash::Flash;
+use flash::{Flash, RECORD_SECTORS};
 use registers::SharedMemory;
 
 pub(super) use self::{
@@ -42,7 +42,7 @@ pub(crate) struct Board {
     /// The tick at which the watchdog was last fed.
     fed: u32,
     blocks: Blocks,
-    flash: Flash,
+    memory: SharedMemory,
 }
 
 #[allow(
@@ -71,7 +71,7 @@ impl Board {
             Self {
                 fed: clock::ticks(),
                 blocks: Blocks::offered(memory),
-                flash: Flash::of(memory),
+                memory,
             },
             start,
         ))
@@ -80,7 +80,13 @@ impl Board {
     /// Returns the store of the calibration: two sectors, an erasure of which takes less time than
     /// the watchdog has.
     pub(crate) fn store(&self) -> Option<CalibrationStore<Flash>> {
-        trust::store_in(self.flash)
+        trust::store_in(Flash::of_calibration(self.memory))
+    }
+
+    /// Returns the ring of records.
+    pub(crate) fn records(&self) -> Option<RecordRing<Flash>> {
+        let sectors = u32::try_from(RECORD_SECTORS).ok()?;
+        RecordRing::open(Flash::of_records(self.memory), 0, sectors).ok()
     }
 
     /// Returns the memory that a reset leaves alone, once.

@@ -27,8 +27,8 @@ impl Register {
 pub(super) struct SharedMemory(usize);
 
 impl SharedMemory {
-    /// Its bytes up to the end of those that are used: blocks, then the flash.
-    const BYTES: usize = 0x14_8000;
+    /// Its bytes up to the end of those that are used: blocks, then the parts of the flash.
+    const BYTES: usize = 0x2d_8000;
     /// Part number of a Cortex-M7, which the machine with the memory at the other address has.
     const CORTEX_M7: u32 = 0xc27;
 

@@ -10,6 +10,7 @@ use embassy_stm32::pac;
 use embedded_storage::nor_flash::{
     ErrorType, NorFlash, ReadNorFlash, check_erase, check_read, check_write,
 };
+use fmc_camera::io::store::record_flash::RecordFlash;
 
 use super::{
     clock,
@@ -21,8 +22,9 @@ use super::{
 /// Bytes of a sector.
 const SECTOR: u32 = 128 << 10;
 
-/// Sectors of the calibration, one for each slot. The six behind them are for records.
+/// Sectors of the calibration, one for each slot, and behind them those of the records.
 const CALIBRATION_SECTORS: u32 = 2;
+pub(super) const RECORD_SECTORS: u32 = 6;
 
 /// Keys that unlock the bank.
 const KEYS: [u32; 2] = [0x4567_0123, 0xcdef_89ab];
@@ -36,23 +38,43 @@ const WRITE_US: u32 = 10_000;
 /// clock: where that stands still, nobody feeds.
 const FEED_US: u32 = 100_000;
 
-/// A part of the second bank, from its beginning.
+/// A part of the second bank.
 #[derive(Debug)]
 pub(crate) struct Flash {
+    /// Its first sector.
+    first: u32,
     sectors: u32,
+    /// Time at which an erasure was begun that goes on beside the program, µs.
+    erasing_since: Option<u32>,
 }
 
 impl Flash {
     /// Returns the part of the calibration; `None` if the option bytes have swapped the banks, so
     /// that the image may be in this one.
     pub(super) fn for_calibration() -> Option<Self> {
+        Self::of(0, CALIBRATION_SECTORS)
+    }
+
+    /// Returns the part of the records, in the same way.
+    pub(super) fn for_records() -> Option<Self> {
+        Self::of(CALIBRATION_SECTORS, RECORD_SECTORS)
+    }
+
+    fn of(first: u32, sectors: u32) -> Option<Self> {
         if pac::FLASH.optcr().read().swap_bank() {
-            defmt::error!("the banks of the flash are swapped: no calibration is stored");
+            defmt::error!("the banks of the flash are swapped: nothing is stored");
             return None;
         }
         Some(Self {
-            sectors: CALIBRATION_SECTORS,
+            first,
+            sectors,
+            erasing_since: None,
         })
+    }
+
+    /// Offset in the bank of an offset in this part.
+    const fn in_bank(&self, offset: u32) -> u32 {
+        self.first * SECTOR + offset
     }
 }
 
@@ -116,8 +138,8 @@ fn begin() -> Result<(), FlashError> {
     Ok(())
 }
 
-/// Does something with the bank unlocked and open for writing.
-fn unlocked(act: impl FnOnce() -> Result<(), FlashError>) -> Result<(), FlashError> {
+/// Unlocks the bank's registers.
+fn unlock() -> Result<(), FlashError> {
     begin()?;
     if bank().cr().read().lock() {
         for key in KEYS {
@@ -127,9 +149,11 @@ fn unlocked(act: impl FnOnce() -> Result<(), FlashError>) -> Result<(), FlashErr
             return Err(FlashError::Locked);
         }
     }
-    regions::open_bank_2();
-    let done = act();
-    regions::close_bank_2();
+    Ok(())
+}
+
+/// Locks them again, after what was done.
+fn lock(done: Result<(), FlashError>) -> Result<(), FlashError> {
     // The registers of a bank that is busy cannot be written.
     if done != Err(FlashError::TimedOut) {
         bank().cr().modify(|w| {
@@ -140,6 +164,15 @@ fn unlocked(act: impl FnOnce() -> Result<(), FlashError>) -> Result<(), FlashErr
         clear();
     }
     done
+}
+
+/// Does something with the bank unlocked and open for writing.
+fn unlocked(act: impl FnOnce() -> Result<(), FlashError>) -> Result<(), FlashError> {
+    unlock()?;
+    regions::open_bank_2();
+    let done = act();
+    regions::close_bank_2();
+    lock(done)
 }
 
 /// Reads a word.
@@ -172,16 +205,21 @@ fn write_word(offset: u32, word: &[u8]) -> Result<(), FlashError> {
     })
 }
 
+/// Lets the bank, which is unlocked, erase the sector that begins at an offset.
+fn start_erasure(offset: u32) {
+    let [sector, ..] = (offset / SECTOR).to_le_bytes();
+    bank().cr().modify(|w| {
+        w.set_pg(false);
+        w.set_ser(true);
+        w.set_snb(sector);
+    });
+    bank().cr().modify(|w| w.set_start(true));
+}
+
 /// Erases the sector that begins at an offset.
 fn erase_sector(offset: u32) -> Result<(), FlashError> {
-    let [sector, ..] = (offset / SECTOR).to_le_bytes();
     unlocked(|| {
-        bank().cr().modify(|w| {
-            w.set_pg(false);
-            w.set_ser(true);
-            w.set_snb(sector);
-        });
-        bank().cr().modify(|w| w.set_start(true));
+        start_erasure(offset);
         wait(ERASURE_US)
     })
 }
@@ -203,7 +241,8 @@ impl ReadNorFlash for Flash {
 
     fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), FlashError> {
         check_read(self, offset, bytes.len())?;
-        for (offset, place) in (offset..).step_by(WORD).zip(bytes.chunks_mut(WORD)) {
+        let first = self.in_bank(offset);
+        for (offset, place) in (first..).step_by(WORD).zip(bytes.chunks_mut(WORD)) {
             let word = read_word(offset);
             noted(offset, word.map(|_| ()))?;
             for (byte, value) in place.iter_mut().zip(word?) {
@@ -224,7 +263,8 @@ impl NorFlash for Flash {
 
     fn erase(&mut self, from: u32, to: u32) -> Result<(), FlashError> {
         check_erase(self, from, to)?;
-        for offset in (from..to).step_by(Self::ERASE_SIZE) {
+        let sectors = self.in_bank(from)..self.in_bank(to);
+        for offset in sectors.step_by(Self::ERASE_SIZE) {
             noted(offset, erase_sector(offset))?;
         }
         Ok(())
@@ -232,9 +272,35 @@ impl NorFlash for Flash {
 
     fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), FlashError> {
         check_write(self, offset, bytes.len())?;
-        for (offset, word) in (offset..).step_by(WORD).zip(bytes.chunks(WORD)) {
+        let first = self.in_bank(offset);
+        for (offset, word) in (first..).step_by(WORD).zip(bytes.chunks(WORD)) {
             noted(offset, write_word(offset, word))?;
         }
         Ok(())
+    }
+}
+
+impl RecordFlash for Flash {
+    fn begin_erasure(&mut self, offset: u32) -> Result<(), FlashError> {
+        check_erase(self, offset, offset.saturating_add(SECTOR))?;
+        let offset = self.in_bank(offset);
+        noted(offset, unlock())?;
+        start_erasure(offset);
+        self.erasing_since = Some(clock::now_us());
+        Ok(())
+    }
+
+    fn end_erasure(&mut self) -> Option<Result<(), FlashError>> {
+        let since = self.erasing_since?;
+        let status = bank().sr().read();
+        let done = if !(status.bsy() || status.qw()) {
+            FlashError::of(status).map_or(Ok(()), Err)
+        } else if clock::now_us().wrapping_sub(since) > ERASURE_US {
+            Err(FlashError::TimedOut)
+        } else {
+            return None;
+        };
+        self.erasing_since = None;
+        Some(noted(self.first * SECTOR, lock(done)))
     }
 }

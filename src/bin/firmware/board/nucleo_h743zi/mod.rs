@@ -33,7 +33,7 @@ use embassy_stm32::{
 use self::{
     captures::{CapturePins, Captures},
     clock::Microseconds,
-    flash::Flash,
+    flash::{Flash, RECORD_SECTORS},
     inputs::Inputs,
     latches::{LatchStreams, Latches},
     link::Link,
@@ -47,7 +47,7 @@ use fmc_camera::io::instruments::Instruments;
 use fmc_camera::io::link::{
     flight_memory::FlightMemory, message::ResetCause, wired_deck::WiredDeck,
 };
-use fmc_camera::io::store::CalibrationStore;
+use fmc_camera::io::store::{CalibrationStore, record_ring::RecordRing};
 
 use super::{cause, flight_memory, memory_guard, trust};
 
@@ -147,6 +147,12 @@ impl Board {
     #[expect(clippy::unused_self, reason = "the interface is that of every board")]
     pub(crate) fn store(&self) -> Option<CalibrationStore<Flash>> {
         trust::store_in(Flash::for_calibration()?)
+    }
+
+    /// Returns the ring of records: the other six.
+    #[expect(clippy::unused_self, reason = "the interface is that of every board")]
+    pub(crate) fn records(&self) -> Option<RecordRing<Flash>> {
+        RecordRing::open(Flash::for_records()?, 0, RECORD_SECTORS).ok()
     }
 
     /// Returns the memory that a reset leaves alone, once.
