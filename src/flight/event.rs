@@ -3,6 +3,7 @@
 use super::drive::StageReading;
 use super::fault::Fault;
 use super::in_doubt::InDoubt;
+pub use super::shutter_edge::ShutterEdge;
 use super::stage::Setpoint;
 use super::time::Time;
 use super::vh::VhSample;
@@ -78,17 +79,6 @@ pub enum Command {
     /// Δz of the frames to come beyond the run-out of the stage, µm, positive away from the lens: a
     /// focus that temperature or pressure has shifted.
     FocusShift(f32),
-}
-
-/// An edge of the shutter's sensor.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub enum ShutterEdge {
-    /// First light.
-    Opened,
-    /// Last light.
-    Closed,
 }
 
 /// The supply voltage.

@@ -37,6 +37,7 @@ pub mod rig;
 pub mod ring;
 pub mod round_guard;
 pub mod settings;
+mod shutter_edge;
 pub mod shutter_output;
 mod slope;
 pub mod smear_prediction;

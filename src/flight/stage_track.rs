@@ -132,8 +132,8 @@ impl StageTrack {
     /// Takes a place that was latched between two readings, in order of time. One of the time of
     /// another place is left out, and one that is older than the first.
     ///
-    /// In an exposure that has no room for it, all such places are forgotten, and no more are taken:
-    /// it is long enough to be known by its readings.
+    /// In an exposure that has no room for it all such places are forgotten, and no more are
+    /// taken: it is long enough to be known by its readings.
     pub fn latch(&mut self, place: StagePlace) {
         let before = self.count(|time| time < place.time);
         let is_there = |it: &StagePlace| it.time == place.time;

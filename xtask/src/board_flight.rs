@@ -24,8 +24,8 @@ const PACKAGES: [&str; 2] = ["pyelftools==0.32", "unicorn==2.1.4"];
 /// Tests that leave out instructions.
 pub(crate) const SKIPS: [&str; 2] = ["test_skips_shutter", "test_skips_signature"];
 
-/// Builds image and `host-sim`, and runs these tests of the model, or all but the skips; without Python or its packages
-/// they are left out, and named.
+/// Builds image and `host-sim`, and runs these tests of the model, or all but the skips; without
+/// Python or its packages they are left out, and named.
 ///
 /// # Errors
 /// An error if a build or a test fails.

@@ -76,8 +76,8 @@ pub(crate) enum Step {
     Board,
     /// Fly the image for the board on a model of its chip, under `host-sim`
     BoardFlight,
-    /// Leave out instructions of that image, one at a time, from the look at the stage's speed to the
-    /// shutter's command and while a signature is checked: an eighth of them, or every one with
+    /// Leave out instructions of that image, one at a time, from the look at the stage's speed to
+    /// the shutter's command and while a signature is checked: an eighth of them, or every one with
     /// `FMC_SKIPS=all`
     Skips,
     /// Build the library for C, and run its programs on this PC and in QEMU

@@ -1,7 +1,7 @@
 //! Drives that move the stage.
 
-use super::event::ShutterEdge;
 use super::fault::Fault;
+use super::shutter_edge::ShutterEdge;
 use super::stage::Setpoint;
 use super::time::Time;
 

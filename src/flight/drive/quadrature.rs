@@ -4,8 +4,8 @@ use embedded_hal::digital::InputPin;
 use heapless::Vec;
 
 use super::MAX_LATCHES;
-use crate::flight::event::ShutterEdge;
 use crate::flight::fault::Fault;
+use crate::flight::shutter_edge::ShutterEdge;
 
 /// A counter of quadrature edges; a timer of the chip in encoder mode, mostly.
 ///

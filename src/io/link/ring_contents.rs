@@ -58,8 +58,8 @@ pub(super) enum Kind {
     Record(Entry),
 }
 
-/// A calibration that another has taken the place of, without the serial number, which is that of the
-/// present one.
+/// A calibration that another has taken the place of, without the serial number, which is that of
+/// the present one.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub(super) struct EarlierNumbers {
     /// Number of the last trigger before the exchange.

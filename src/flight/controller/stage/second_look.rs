@@ -58,9 +58,9 @@ mod tests {
 
     const EXPOSURE_S: f32 = 0.004;
 
-    /// Returns what the second look says, 20 ms after the stage has begun a way of 1 mm, of readings
-    /// whose time after their beginning is made of the true one, s, and whose move of that of the
-    /// set point, mm.
+    /// Returns what the second look says, 20 ms after the stage has begun a way of 1 mm. `time_s`
+    /// makes the times of the readings of the true ones, s, and `moved` their moves of those of
+    /// the set point, mm.
     fn look(time_s: impl Fn(f32) -> f32, moved: impl Fn(f32) -> f32) -> bool {
         let parameters = CalibrationParameters::new(100.0, [9216, 9216], 8.75);
         let camera = Camera::new(CameraParameters::new(parameters)).unwrap();

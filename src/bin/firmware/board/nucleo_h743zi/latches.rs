@@ -1,5 +1,6 @@
-//! Counts of the encoder that the DMA takes, whatever the processor does: at the shutter's edges, each
-//! of whose captures requests a transfer, and four times a millisecond while a frame is in flight.
+//! Counts of the encoder that the DMA takes, whatever the processor does: at the shutter's edges,
+//! each of whose captures requests a transfer, and four times a millisecond while a frame is in
+//! flight.
 
 use core::sync::atomic::{AtomicU16, AtomicU32, Ordering, fence};
 
@@ -146,7 +147,7 @@ fn made(stream: usize) -> u16 {
 fn count(stream: usize, number: u16) -> Option<u16> {
     let counts = COUNTS.get(stream)?;
     let count = counts.get(usize::from(number % PLACES))?;
-    // What the DMA has written before its counter changed is read after that.
+    // A count is written before the DMA's counter changes: it is read after that.
     fence(Ordering::Acquire);
     Some(count.load(Ordering::Relaxed))
 }
@@ -175,7 +176,7 @@ impl Latched {
             .flatten()
     }
 
-    /// Looks at which count is the last, and how old it is now. Counts that are not as many as there
+    /// Notes which count is the last, and how old it is now. Counts that are not as many as there
     /// were intervals are not used.
     pub(super) fn look(&mut self) {
         self.between = None;
