@@ -228,7 +228,10 @@ impl<F: RecordFlash> RecordRing<F> {
 
     /// Visits numbers and contents of entries, the newest first, until `visit` returns `false` or
     /// so many places have been read. Places that cannot be read, or hold no entry, are left out.
-    pub fn newest_first(&mut self, most: u32, mut visit: impl FnMut(u32, &[u8]) -> bool) {
+    pub fn newest_first<Visit>(&mut self, most: u32, mut visit: Visit)
+    where
+        Visit: FnMut(u32, &[u8]) -> bool,
+    {
         let mut number = self.next;
         for _ in 0..most.min(self.capacity()) {
             let Some(before) = number.checked_sub(1) else {

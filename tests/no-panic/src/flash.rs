@@ -1,6 +1,7 @@
 //! A flash of unknown behaviour.
 
 use embedded_storage::nor_flash::{ErrorType, NorFlash, NorFlashErrorKind, ReadNorFlash};
+use fmc_camera::io::store::record_flash::RecordFlash;
 
 /// Flash of which any call can fail.
 #[derive(Debug)]
@@ -41,5 +42,15 @@ impl NorFlash for Flash {
     fn write(&mut self, _: u32, bytes: &[u8]) -> Result<(), Self::Error> {
         core::hint::black_box(bytes);
         unknown()
+    }
+}
+
+impl RecordFlash for Flash {
+    fn begin_erasure(&mut self, _: u32) -> Result<(), Self::Error> {
+        unknown()
+    }
+
+    fn end_erasure(&mut self) -> Option<Result<(), Self::Error>> {
+        core::hint::black_box(Some(unknown()))
     }
 }

@@ -19,6 +19,7 @@ use fmc_camera::io::link::{
 };
 use fmc_camera::io::mavlink::MavlinkReceiver;
 use fmc_camera::io::nmea::NmeaReceiver;
+use fmc_camera::io::store::record_ring::{RecordRing, RingEntry};
 use fmc_camera::io::store::{
     CalibrationStore, NothingStored, Origin, ProbePoint, PublicKey, Signature, Statement,
 };
@@ -27,6 +28,7 @@ use crate::flash::Flash;
 
 type Deck = FlownDeck<RigDrive>;
 type Store = CalibrationStore<Flash>;
+type Ring = RecordRing<Flash>;
 type Wired = WiredDeck<RigDrive>;
 
 /// Keeps the public functions of `fmc_camera::io`.
@@ -99,6 +101,10 @@ pub(crate) fn keep() {
         Station::<RigDeck>::grid_memory_mut,
         Station::<RigDeck>::load_stored::<Flash, PublicKey>,
         Station::<RigDeck>::store::<Flash, PublicKey>,
+        Station::<RigDeck>::keep_records_in::<Flash>,
+        Station::<RigDeck>::keep_records::<Flash>,
+        Station::<Wired>::keep_records_in::<Flash>,
+        Station::<Wired>::keep_records::<Flash>,
         MavlinkReceiver::new,
         MavlinkReceiver::receive,
         MavlinkReceiver::buffered,
@@ -115,6 +121,20 @@ pub(crate) fn keep() {
         Store::into_flash,
         Store::load,
         Store::store,
+        Ring::open,
+        Ring::capacity,
+        Ring::sector_of,
+        Ring::next,
+        Ring::erasures,
+        Ring::state,
+        Ring::holds_entry,
+        Ring::flash_mut,
+        Ring::into_flash,
+        Ring::push,
+        Ring::step,
+        Ring::newest_first::<fn(u32, &[u8]) -> bool>,
+        Ring::read,
+        RingEntry::contents,
         Origin::new,
         Origin::lens,
         Origin::laboratory,
