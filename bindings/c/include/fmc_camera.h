@@ -1333,6 +1333,13 @@ typedef struct fmc_displacement {
 #define FMC_EVENT_INDEX_MARK 25
 
 /**
+ * Offset of the stage that hardware latched between two readings, at an edge of the shutter's sensor
+ * (after the edge's event) or in an exposure: `values[0]`, mm along the FMC axis, at the time in
+ * number, µs.
+ */
+#define FMC_EVENT_LATCHED 26
+
+/**
  * The stage is to follow the set point `values[0]` mm, `values[1]` mm/s, `values[2]` mm/s², now.
  */
 #define FMC_ACTION_MOVE_STAGE 0

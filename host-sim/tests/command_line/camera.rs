@@ -218,7 +218,7 @@ fn flight_goes_on_with_another_calibration_and_each_record_names_its_own() {
     assert!(board.bench.run(&fetch).ok().stdout.contains("2 records"));
     let csv = fs::read_to_string(board.bench.path("kept/records.csv")).unwrap();
     let records: Vec<&str> = csv.lines().skip(1).collect();
-    let made_with = [",,,volatile", ",SN 5282,4,volatile"];
+    let made_with = [",,,volatile,1,1", ",SN 5282,4,volatile,1,1"];
     assert_eq!(records.len(), made_with.len());
     for (record, made_with) in records.iter().zip(made_with) {
         assert!(record.ends_with(made_with), "{csv}");
@@ -264,12 +264,12 @@ fn identity_of_the_calibration_is_in_the_status_and_in_the_records() {
         .ok();
     let csv = fs::read_to_string(board.bench.path("kept/records.csv")).unwrap();
     let mut lines = csv.lines();
-    let names = ",calibration_serial,calibration_version,calibration_storage";
+    let names = ",calibration_serial,calibration_version,calibration_storage,boot,flight";
     assert!(lines.next().unwrap().ends_with(names), "{csv}");
     let record = lines.next().unwrap();
     let crc = format!(",{crc},");
     assert!(
-        record.contains(&crc) && record.ends_with(",SN 5282,3,volatile"),
+        record.contains(&crc) && record.ends_with(",SN 5282,3,volatile,1,1"),
         "{csv}"
     );
 }

@@ -77,7 +77,7 @@ pub(super) const fn meaning(flag: Flag) -> &'static str {
             "attitudes have come, but none within ATTITUDE_WITHIN_S of the exposure"
         }
         Flag::NotMeasured => {
-            "nothing measures the stage: the motion is that of the steps that were made"
+            "nothing measures the stage: the motion is that of the steps that were made, by a stepper"
         }
         Flag::VhUnconfirmed => {
             "V/H comes from a source that has jumped and that no other has confirmed"

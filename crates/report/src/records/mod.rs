@@ -193,12 +193,12 @@ mod tests {
         let text = String::from_utf8(csv).unwrap();
         let rows: Vec<&str> = text.lines().collect();
         assert!(
-            rows[1].contains(",deadbeef,") && rows[1].ends_with(",,,stored"),
+            rows[1].contains(",deadbeef,") && rows[1].ends_with(",,,stored,1,1"),
             "{}",
             rows[1]
         );
         assert!(
-            rows[2].contains(",00000000,") && rows[2].ends_with(",,,,,"),
+            rows[2].contains(",00000000,") && rows[2].ends_with(",,,,,,1,1"),
             "{}",
             rows[2]
         );

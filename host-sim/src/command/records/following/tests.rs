@@ -253,7 +253,7 @@ fn record_is_a_whole_row_on_the_disk_before_the_camera_forgets_it() {
         assert_eq!(table.lines().count(), 1 + sequence as usize);
         let last = table.lines().last().unwrap();
         assert!(last.starts_with(&format!("{sequence},")), "{last}");
-        assert_eq!(last.matches(',').count(), 45);
+        assert_eq!(last.matches(',').count(), 47);
         assert!(!flying.out.path().join(JSON).exists());
     };
     flying.follow().unwrap();
