@@ -75,6 +75,8 @@ fn refuse(bench: &Bench) {
         "calibration_serial",
         "calibration_version",
         "calibration_storage",
+        "boot",
+        "flight",
     ];
     for row in reader.records().map(Result::unwrap) {
         let is_refused = row[0] == REFUSED.to_string();
