@@ -102,6 +102,7 @@ fn record_parts(counter: &mut Counter, camera: &Camera) -> Option<()> {
             time: Time::from_us(1000 * u64::from(tick)),
             offset_mm: 0.01 * f32::from(tick),
             play_sigma_mm: 0.0,
+            is_latched: false,
         });
     }
     let [opened, closed] = [500, 62_500].map(Time::from_us);

@@ -31,13 +31,13 @@ impl StageMachine {
         else {
             return false;
         };
-        let (Some(set), Some(set_before)) = (self.setpoint(last.time), self.setpoint(before.time))
-        else {
-            return false;
+        // A stage without force is to stand.
+        let (set_mm, speed_mm_s) = match (self.setpoint(last.time), self.setpoint(before.time)) {
+            (Some(set), Some(set_before)) => (set.offset_mm - set_before.offset_mm, set.speed_mm_s),
+            _ => (0.0, 0.0),
         };
-        let set_mm = set.offset_mm - set_before.offset_mm;
         let off_mm = libm::fabsf(last.offset_mm - before.offset_mm - set_mm);
-        let travel_mm = set.speed_mm_s * exposure_s;
+        let travel_mm = speed_mm_s * exposure_s;
         let allowed_mm = WIDER * setup.allowed_change_mm(travel_mm, exposure_s);
         let [old_s, elapsed_s] = [now, last.time].map(|time| time.seconds_since(before.time));
         0.0 < elapsed_s
