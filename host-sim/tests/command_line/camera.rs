@@ -269,7 +269,7 @@ fn identity_of_the_calibration_is_in_the_status_and_in_the_records() {
     let record = lines.next().unwrap();
     let crc = format!(",{crc},");
     assert!(
-        record.contains(&crc) && record.ends_with(",SN 5282,3,volatile,1,1"),
+        record.contains(&crc) && record.ends_with(",SN 5282,3,volatile,1,2"),
         "{csv}"
     );
 }

@@ -180,7 +180,7 @@ fn missing_columns_and_half_files_are_refused() {
     let error = read(half, &camera).unwrap_err();
     assert_eq!(
         error.to_string(),
-        "records, line 3: 49 columns where the header has 50"
+        "records, line 3: 47 columns where the header has 48"
     );
     for empty in ["", " \n"] {
         let error = read(empty, &camera).unwrap_err();
