@@ -44,7 +44,9 @@ pub struct StageTrack {
     since_kept: u32,
     /// `true` if the last reading makes room for the next.
     is_last_passing: bool,
-    /// `true` in an exposure that has no room for places between its readings.
+    /// `true` if there may be places between the readings of an exposure.
+    has_latched: bool,
+    /// `true` in an exposure that has no room for them.
     takes_no_more: bool,
 }
 
@@ -97,6 +99,7 @@ impl StageTrack {
             stride: 1,
             since_kept: 0,
             is_last_passing: false,
+            has_latched: false,
             takes_no_more: false,
         }
     }
@@ -140,6 +143,7 @@ impl StageTrack {
         if self.takes_no_more || before == 0 || self.places.get(before).is_some_and(is_there) {
             return;
         }
+        self.has_latched = true;
         // Otherwise the next reading would take the room of this place.
         self.is_last_passing &= before < self.places.len();
         self.add(place);
@@ -180,7 +184,8 @@ impl StageTrack {
             }
             return;
         }
-        if !core::mem::replace(&mut self.takes_no_more, true) {
+        self.takes_no_more = true;
+        if core::mem::take(&mut self.has_latched) {
             self.forget_latched(before);
             if !self.places.is_full() {
                 return;
