@@ -27,11 +27,47 @@ pub struct StagePlace {
     pub time: Time,
     /// Offset of the stage, mm: that of the encoder, and of the stage from its screw.
     pub offset_mm: f32,
+    /// How it was read, and how well.
+    pub reading: PlaceReading,
+}
+
+/// The way in which a place was read, and σ of the stage's offset from its screw: one word, since
+/// the track has many.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PlaceReading {
+    /// σ, mm; negative where it was latched.
+    signed_mm: f32,
+}
+
+impl PlaceReading {
+    /// A reading of the control loop, with σ of the stage's offset from its screw, mm.
+    #[must_use]
+    pub const fn of_round(play_sigma_mm: f32) -> Self {
+        Self {
+            signed_mm: play_sigma_mm.abs(),
+        }
+    }
+
+    /// A place that hardware latched between two readings, with σ, mm. It may be so near to one of
+    /// them that nothing is told by the speed between the two.
+    #[must_use]
+    pub const fn latched(play_sigma_mm: f32) -> Self {
+        Self {
+            signed_mm: -play_sigma_mm.abs(),
+        }
+    }
+
+    /// Returns `true` if hardware latched it.
+    #[must_use]
+    pub const fn is_latched(self) -> bool {
+        self.signed_mm.is_sign_negative()
+    }
+
     /// σ of the stage's offset from its screw, mm.
-    pub play_sigma_mm: f32,
-    /// `true` if hardware latched it between two readings: it may be so near to one of them that
-    /// nothing is told by the speed between the two.
-    pub is_latched: bool,
+    #[must_use]
+    pub const fn play_sigma_mm(self) -> f32 {
+        self.signed_mm.abs()
+    }
 }
 
 /// The latest places, in order of time; from the opening of the shutter on, all of the exposure.
@@ -208,7 +244,11 @@ impl StageTrack {
     fn forget_latched(&mut self, first: usize) {
         let mut kept = first;
         for from in first..self.places.len() {
-            if self.places.get(from).is_some_and(|it| !it.is_latched) {
+            if self
+                .places
+                .get(from)
+                .is_some_and(|it| !it.reading.is_latched())
+            {
                 self.copy(from, kept);
                 kept += 1;
             }
@@ -258,7 +298,7 @@ impl StageTrack {
 
     /// The readings, in order of time.
     pub(crate) fn readings(&self) -> impl DoubleEndedIterator<Item = &StagePlace> {
-        self.places.iter().filter(|it| !it.is_latched)
+        self.places.iter().filter(|it| !it.reading.is_latched())
     }
 
     /// Returns the speed of the stage where it was at a place between the last two readings, and
@@ -341,7 +381,7 @@ impl StageTrack {
         for places in self.parts(before_it, self.places.len()) {
             for place in places {
                 let _ = path.samples.push(sample(place));
-                play_sigma_mm = larger(play_sigma_mm, place.play_sigma_mm);
+                play_sigma_mm = larger(play_sigma_mm, place.reading.play_sigma_mm());
             }
         }
         path.play_sigma_mm = play_sigma_mm;
@@ -360,7 +400,11 @@ impl StageTrack {
     /// Returns the largest difference of a move and of the move before it, at equal times, mm, of
     /// the moves between readings from the one before a place on until an exposure ends.
     fn bend_mm(&self, first: usize, closed: Time) -> f32 {
-        let is_latched = |index| self.places.get(index).is_some_and(|it| it.is_latched);
+        let is_latched = |index| {
+            self.places
+                .get(index)
+                .is_some_and(|it| it.reading.is_latched())
+        };
         let first = first.saturating_sub(1 + usize::from(is_latched(first)));
         // The last move begins before the end.
         let end = self.count(|time| time < closed);
@@ -368,7 +412,7 @@ impl StageTrack {
         let mut bend_mm = 0.0;
         let (mut from, mut earlier): (Option<&StagePlace>, Option<Move>) = (None, None);
         for places in self.parts(first, end) {
-            for to in places.iter().filter(|it| !it.is_latched) {
+            for to in places.iter().filter(|it| !it.reading.is_latched()) {
                 if let Some(from) = from {
                     let later = Move::between(from, to);
                     if let Some(earlier) = earlier {

@@ -13,7 +13,7 @@ use fmc_camera::flight::exposure::FlightDirection;
 use fmc_camera::flight::prepared_camera::PreparedCamera;
 use fmc_camera::flight::settings::FlightSettings;
 use fmc_camera::flight::smear_prediction::{AircraftMotion, Compensation, SmearPrediction};
-use fmc_camera::flight::stage_track::{StagePlace, StageTrack};
+use fmc_camera::flight::stage_track::{PlaceReading, StagePlace, StageTrack};
 use fmc_camera::flight::time::{Clock, Time};
 use fmc_camera::flight::vh::{VhEstimate, VhSource};
 use fmc_camera::geometry::principal_point::PrincipalPointMotion;
@@ -101,8 +101,7 @@ fn record_parts(counter: &mut Counter, camera: &Camera) -> Option<()> {
         track.push(StagePlace {
             time: Time::from_us(1000 * u64::from(tick)),
             offset_mm: 0.01 * f32::from(tick),
-            play_sigma_mm: 0.0,
-            is_latched: false,
+            reading: PlaceReading::of_round(0.0),
         });
     }
     let [opened, closed] = [500, 62_500].map(Time::from_us);

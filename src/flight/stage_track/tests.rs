@@ -10,8 +10,7 @@ fn place(us: u64) -> StagePlace {
     StagePlace {
         time: Time::from_us(us),
         offset_mm,
-        play_sigma_mm: 0.0,
-        is_latched: false,
+        reading: PlaceReading::of_round(0.0),
     }
 }
 
@@ -90,8 +89,7 @@ fn track_of(offsets_mm: &[f32]) -> StageTrack {
         track.push(StagePlace {
             time: Time::from_us(1000 * round),
             offset_mm: *offset_mm,
-            play_sigma_mm: 0.0,
-            is_latched: false,
+            reading: PlaceReading::of_round(0.0),
         });
     }
     track
@@ -152,7 +150,7 @@ fn stage_that_stands_has_no_speed() {
 /// A place that was latched between two readings.
 fn latched(us: u64) -> StagePlace {
     StagePlace {
-        is_latched: true,
+        reading: PlaceReading::latched(0.0),
         ..place(us)
     }
 }

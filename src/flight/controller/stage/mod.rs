@@ -18,7 +18,7 @@ use crate::flight::play::Play;
 use crate::flight::play_watch::PlayWatch;
 use crate::flight::slope::Slope;
 use crate::flight::stage::{Profile, Setpoint};
-use crate::flight::stage_track::{StagePlace, StageTrack};
+use crate::flight::stage_track::{PlaceReading, StagePlace, StageTrack};
 use crate::flight::stage_watch::{ReadingVerdict, StageWatch};
 use crate::flight::time::Time;
 use crate::flight::unconfirmed::Unconfirmed;
@@ -184,8 +184,7 @@ impl StageMachine {
         self.track.push(StagePlace {
             time: reading.time,
             offset_mm: reading.offset_mm + play.offset_mm,
-            play_sigma_mm: play.sigma_mm,
-            is_latched: false,
+            reading: PlaceReading::of_round(play.sigma_mm),
         });
         self.following_slope.push(reading.time, seen.error_mm);
         if self.motion.is_some() {
@@ -211,8 +210,7 @@ impl StageMachine {
         self.track.latch(StagePlace {
             time: latched.time,
             offset_mm: latched.offset_mm + play.offset_mm,
-            play_sigma_mm: play.sigma_mm,
-            is_latched: true,
+            reading: PlaceReading::latched(play.sigma_mm),
         });
     }
 

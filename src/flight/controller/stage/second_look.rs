@@ -53,7 +53,7 @@ mod tests {
     use crate::flight::controller::Start;
     use crate::flight::prepared_camera::PreparedCamera;
     use crate::flight::settings::FlightSettings;
-    use crate::flight::stage_track::StagePlace;
+    use crate::flight::stage_track::{PlaceReading, StagePlace};
     use crate::{CalibrationParameters, Camera, CameraParameters};
 
     const EXPOSURE_S: f32 = 0.004;
@@ -77,8 +77,7 @@ mod tests {
             stage.track.push(StagePlace {
                 time: first.plus_s(time_s(true_s)),
                 offset_mm: first_mm + moved(set_mm - first_mm),
-                play_sigma_mm: 0.0,
-                is_latched: false,
+                reading: PlaceReading::of_round(0.0),
             });
         }
         let now = first.plus_s(1e-3 * f32::from(u8::try_from(VALUES - 1).unwrap()));
