@@ -394,3 +394,41 @@ fn status_tells_how_many_records_a_loss_of_the_supply_would_take() {
     assert_eq!(without.prepare(), Answer::Prepared);
     assert_eq!(in_flash(&mut without), RecordsInFlash::NotKept);
 }
+
+#[test]
+fn records_keep_their_calibration_after_a_loss_of_the_supply_wherever_it_was_exchanged() {
+    let (mut flight, mut ring) = armed(Flash::blank());
+    let mut records = Vec::new();
+    for (frame, distance_mm) in (1..).zip([None, Some(60.0), None, Some(61.0), Some(62.0)]) {
+        if let Some(distance_mm) = distance_mm {
+            flight.round(Some(Event::Command(Command::Disarm)));
+            // Whatever of it has been written before the exchange.
+            flight.pc.station.keep_records(&mut ring);
+            let mut other = camera_parameters();
+            other.calibration.principal_distance_mm = distance_mm;
+            let exchanged = flight.pc.exchange(&other);
+            assert!(matches!(exchanged, Answer::Loaded(_)), "{exchanged:?}");
+            flight.round(Some(Event::Command(Command::Arm)));
+            flight.run_until(State::Armed);
+        }
+        expose(&mut flight);
+        records.push(fetched(&mut flight, frame).unwrap());
+        loop {
+            flight.pc.station.keep_flight();
+            flight.pc.station.keep_records(&mut ring);
+            let truth = Truth {
+                records: &records,
+                acknowledged: 0,
+            };
+            check(&ring.clone().into_flash(), &truth);
+            if ring.state() == RingState::Idle {
+                break;
+            }
+        }
+    }
+    let made_with = |record: &FrameRecord| record.calibration.unwrap().crc;
+    let crcs: Vec<u32> = records.iter().map(made_with).collect();
+    assert!(crcs[0] != crcs[1] && crcs[1] == crcs[2] && crcs[2] != crcs[3] && crcs[3] != crcs[4]);
+    let (mut flight, _) = start_cold(ring.into_flash());
+    assert!(all_records(&mut flight) == records);
+}
