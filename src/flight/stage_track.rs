@@ -27,7 +27,7 @@ pub struct StagePlace {
     pub time: Time,
     /// Offset of the stage, mm: that of the encoder, and of the stage from its screw.
     pub offset_mm: f32,
-    /// How it was read, and how well.
+    /// The way in which it was read, with its σ.
     pub reading: PlaceReading,
 }
 

@@ -269,8 +269,8 @@ fn any_contents_of_the_flash_are_taken_and_written_over() {
                     0 => Cell::Blank,
                     1 => Cell::Failing,
                     2 => Cell::Holding(BLANK),
-                    3 => Cell::Unstable(BLANK, core::array::from_fn(|_| random() as u8)),
-                    _ => Cell::Holding(core::array::from_fn(|_| random() as u8)),
+                    3 => Cell::Unstable(BLANK, core::array::from_fn(|_| random().to_le_bytes()[0])),
+                    _ => Cell::Holding(core::array::from_fn(|_| random().to_le_bytes()[0])),
                 })
                 .collect();
         }

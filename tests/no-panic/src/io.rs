@@ -114,6 +114,13 @@ pub(crate) fn keep() {
         NmeaReceiver::receive,
         NmeaReceiver::is_under_way,
         NmeaReceiver::take_unexplained,
+    ];
+    keep_store();
+}
+
+/// Keeps those of the store.
+fn keep_store() {
+    keep![
         Store::new,
         Store::of_camera,
         Store::trusting::<PublicKey>,
