@@ -226,9 +226,9 @@ fn stage_with_an_absolute_sensor_has_its_place_after_a_reset() {
     assert_eq!(flight.expose(), 1);
     assert_measured(&flight.fetched(1));
     restart_by(&mut flight.device, &WATCHDOG[0]);
-    flight.device.remote().reconnect().unwrap();
-    assert_measured(&flight.fetched(1));
     let remote = flight.device.remote();
+    remote.reconnect().unwrap();
+    assert_measured(&remote.fetch_record(0).unwrap().unwrap());
     assert_eq!(remote.acknowledge_records(1).unwrap(), 0);
     let mut flight = Flight::new(flight.device);
     flight.move_by_command();
