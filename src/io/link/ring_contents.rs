@@ -160,10 +160,12 @@ mod tests {
         let camera = Camera::new(CameraParameters::new(lens)).unwrap();
         let interior = camera.frame(&Exposure::new(0.1, 0.005)).unwrap().interior;
         let (mut faults, mut flags) = (Faults::NONE, Flags::NONE);
-        Fault::ALL
-            .into_iter()
-            .for_each(|fault| faults.insert(fault));
-        Flag::ALL.into_iter().for_each(|flag| flags.insert(flag));
+        for fault in Fault::ALL {
+            faults.insert(fault);
+        }
+        for flag in Flag::ALL {
+            flags.insert(flag);
+        }
         let trigger = LATE_US - lasting_us;
         Entry {
             sequence: MOST - 1,
