@@ -13,9 +13,11 @@ use super::clock_drift::ClockDrift;
 use super::control_loop::{self, RoundActions};
 use super::controller::state::State;
 use super::controller::{Controller, NotExchanged, Start};
+use super::drive::StageReading;
 use super::drive::flown_drive::FlownDrive;
 use super::event::{Action, Command, Event, Supply};
 use super::event_queue::EventQueue;
+use super::fault::Fault;
 use super::input_levels::InputLevels;
 use super::input_settings::InputSettings;
 use super::settings::FlightSettings;
@@ -168,16 +170,26 @@ impl<Drive: FlownDrive> FlownDeck<Drive> {
     /// Runs a round of the control loop. On return the stage has its command; the other actions are
     /// left to the board.
     pub fn round(&mut self, now: Time) -> RoundActions {
+        let reading = self.drive.position(now);
+        self.round_from(now, reading)
+    }
+
+    /// As [`Self::round`], after the stage has been read at `now`: the stage moves on while other
+    /// work of the round is done.
+    pub(crate) fn round_from(
+        &mut self,
+        now: Time,
+        mut reading: Result<StageReading, Fault>,
+    ) -> RoundActions {
         self.set_now(now);
+        self.offset_mm = reading.ok().map(|reading| reading.offset_mm);
         let mut outside = RoundActions::new();
         if self.trials.take_close() {
             // There is room for it, as for that of a trial.
             let _ = outside.push(Action::CloseShutter);
         }
         let Some((setup, controller)) = self.camera.flown() else {
-            // The position is for display, and a counter of 16 bits must be read regularly.
-            let reading = self.drive.position(now);
-            self.offset_mm = reading.ok().map(|reading| reading.offset_mm);
+            // The position is for display.
             if self.drive.take_index().is_some() {
                 self.edges.index = self.edges.index.saturating_add(1);
             }
@@ -193,6 +205,8 @@ impl<Drive: FlownDrive> FlownDeck<Drive> {
             && controller.state() == State::Standby
         {
             self.drive.set_reference();
+            reading = self.drive.position(now);
+            self.offset_mm = reading.ok().map(|reading| reading.offset_mm);
         }
         if events
             .iter()
@@ -204,11 +218,14 @@ impl<Drive: FlownDrive> FlownDeck<Drive> {
                 ..InputLevels::GOOD
             };
         }
-        let reading = self.drive.position(now);
-        self.offset_mm = reading.ok().map(|reading| reading.offset_mm);
         let flown = (&setup, controller);
         control_loop::round(flown, &mut self.drive, now, reading, &events, &mut outside);
         outside
+    }
+
+    /// Reads the stage, for [`Self::round_from`].
+    pub(crate) fn read_stage(&mut self, now: Time) -> Result<StageReading, Fault> {
+        self.drive.position(now)
     }
 
     /// Takes the levels of all lines, for their display alone.

@@ -50,12 +50,13 @@ impl<Drive: FlownDrive> WiredDeck<Drive> {
 
     /// Runs one round of the control loop, as [`FlownDeck::round`], with the events of the wires.
     pub fn round(&mut self, now: Time) -> RoundActions {
+        let reading = self.flown.read_stage(now);
         for &(time, event) in &self.instruments.round(now, EVENTS_OF_A_ROUND) {
             if self.flown.controller().is_some() && self.flown.tell_at(time, event).is_err() {
                 self.instruments.count_crowded_out();
             }
         }
-        self.flown.round(now)
+        self.flown.round_from(now, reading)
     }
 }
 
