@@ -93,8 +93,8 @@ impl Controller {
         }
     }
 
-    /// Returns `true` if the shutter may open for an exposure, s: a second look at the stage, which
-    /// shares nothing with the first.
+    /// Returns `true` if the shutter may open for an exposure, s: a second look at the stage, of
+    /// other numbers and code than the first.
     pub(in super::super) fn may_open(&self, setup: &Setup, now: Time, exposure_s: f32) -> bool {
         self.stage.moves_as_set(setup, now, exposure_s)
     }
