@@ -170,7 +170,7 @@ impl<Drive: FlownDrive> FlownDeck<Drive> {
     /// Runs a round of the control loop. On return the stage has its command; the other actions are
     /// left to the board.
     pub fn round(&mut self, now: Time) -> RoundActions {
-        let reading = self.drive.position(now);
+        let reading = self.read_stage(now);
         self.round_from(now, reading)
     }
 
