@@ -12,7 +12,7 @@ pub(crate) const LOOK_EVERY: Duration = Duration::from_millis(5);
 
 /// Longest time until the restart: the watchdog's quarter of a second is camera time, which may
 /// take many seconds on a busy PC.
-const RESTARTED_WITHIN: Duration = Duration::from_mins(2);
+pub(crate) const RESTARTED_WITHIN: Duration = Duration::from_mins(2);
 
 /// Accident after which the camera starts again: its byte, and what the start is told to follow.
 pub(crate) struct Drill {

@@ -3,6 +3,8 @@
 use std::env;
 use std::path::{Path, PathBuf};
 use std::process::Command as Program;
+use std::thread;
+use std::time::Instant;
 
 use fmc_camera::flight::controller::state::State;
 use fmc_camera::flight::event::{Action, Command, Event, ShutterEdge};
@@ -19,7 +21,9 @@ use fmc_simulation::mechanics::{Mechanics, MechanicsSettings};
 use host_sim::device::qemu::{Qemu, QemuOptions};
 use host_sim::device::{FlyingDevice as _, Machine};
 
-use crate::firmware::drills::{Drill, OVERFLOW, WATCHDOG, restart_by};
+use crate::firmware::drills::{
+    Drill, LOOK_EVERY, OVERFLOW, RESTARTED_WITHIN, WATCHDOG, restart_by,
+};
 
 /// Rounds within which triggers are to be answered again: one second of the camera's clock.
 const ANSWERED_WITHIN: u64 = 1000;
@@ -194,11 +198,18 @@ fn records_of(device: &mut Qemu) -> Vec<FrameRecord> {
     records
 }
 
-/// Time of the last log line with these words, µs.
+/// Time of the last log line with these words, µs. The log has a wire of its own, on which the line
+/// may come after the answer to a request that followed it.
 fn logged_at_us(device: &Qemu, words: &str) -> u64 {
-    let log = device.log();
-    let line = log.iter().rfind(|line| line.contains(words));
-    let line = line.unwrap_or_else(|| panic!("{log:#?}"));
+    let start = Instant::now();
+    let line = loop {
+        let log = device.log();
+        if let Some(line) = log.iter().rfind(|line| line.contains(words)) {
+            break line.clone();
+        }
+        assert!(start.elapsed() < RESTARTED_WITHIN, "{log:#?}");
+        thread::sleep(LOOK_EVERY);
+    };
     let seconds = line.split_whitespace().next().unwrap();
     let seconds: f64 = seconds.parse().unwrap_or_else(|_| panic!("{line}"));
     format!("{:.0}", 1e6 * seconds).parse().unwrap()
