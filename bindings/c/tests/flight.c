@@ -8,6 +8,10 @@
 #define FIRST_TRIGGER 3000u
 #define TRIGGER_EVERY 1500u
 
+/* Focus shift of the last two frames, and the round in which it is told. */
+#define SHIFT_UM 12.5f
+#define SHIFTED_AT 5500u
+
 static fmc_camera camera;
 static fmc_flight flight;
 static fmc_frame frame;
@@ -82,6 +86,13 @@ static fmc_status make_round(uint32_t number, fmc_error *error) {
   if (status == FMC_OK && (number % 500u) == 5u) {
     status = step(now_us, FMC_EVENT_VH, 0u, 0.1f, error);
   }
+  if (status == FMC_OK && number == SHIFTED_AT) {
+    /* The calibration has no focus table, in which a temperature would have an effect. */
+    status = step(now_us, FMC_EVENT_TEMPERATURE, 0u, -12.5f, error);
+    if (status == FMC_OK) {
+      status = step(now_us, FMC_EVENT_FOCUS_SHIFT, 0u, SHIFT_UM, error);
+    }
+  }
   if (status == FMC_OK && number >= FIRST_TRIGGER && (number % TRIGGER_EVERY) == 0u) {
     status = step(now_us, FMC_EVENT_TRIGGER, 0u, 0.0f, error);
   }
@@ -151,6 +162,13 @@ static fmc_status show(uint32_t sequence, fmc_error *error) {
     status = fmc_record_to_bytes(&read, bytes, sizeof bytes, &again, &sum, error);
     if (again != count || sum != crc32) {
       platform_write("record changed in its bytes\n");
+    }
+  }
+  if (status == FMC_OK) {
+    float shift_um = 1000.0f * kept.interior.focus_shift_mm;
+    float expected_um = kept.sequence >= 3u ? SHIFT_UM : 0.0f;
+    if (shift_um < expected_um - 0.001f || shift_um > expected_um + 0.001f) {
+      platform_write("focus shift of the record: WRONG\n");
     }
   }
   if (status == FMC_OK) {
