@@ -82,7 +82,7 @@ pub const MAX_OBSERVATIONS: usize = 40;
 /// are complete.
 pub const CALIBRATION_CAPACITY: usize = 336;
 
-/// Most bytes of a camera's parameters in one message. A calibration comes in two or three, so that
+/// Most bytes of a camera's parameters in one message. A calibration comes in two to five, so that
 /// every one that is loaded shows that parts are put together.
 pub const MAX_PART: usize = 64;
 
