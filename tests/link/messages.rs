@@ -254,7 +254,7 @@ fn bytes_on_the_wire_are_those_of_the_description() {
     let crc = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(&checked);
     let crc = [0, 7, 14, 21, 28].map(|shift| ((crc >> shift) & 127 | 128).to_le_bytes()[0]);
     assert_eq!(request.bytes(), [&[0], &checked[..], &crc, &[0]].concat());
-    assert_eq!(PROTOCOL_VERSION, 10);
+    assert_eq!(PROTOCOL_VERSION, 11);
     let latest = format!("|---|---|\n| {PROTOCOL_VERSION} |");
     assert!(include_str!("../../CHANGELOG.md").contains(&latest));
 }

@@ -10,7 +10,7 @@ use fmc_camera::flight::settings::FlightSettings;
 use fmc_camera::geometry::brown::Brown;
 use fmc_camera::geometry::calibration::{CalibrationError, CalibrationParameters, Polynomial};
 use fmc_camera::geometry::five_coefficient::FiveCoefficients;
-use fmc_camera::geometry::focus_table::FocusTable;
+use fmc_camera::geometry::focus_table;
 use fmc_camera::geometry::grid::{GridCarrier, GridChecksums};
 use fmc_camera::geometry::principal_distance::{FLATNESS_TERMS, Flatness};
 use fmc_camera::geometry::range::Quantity;
@@ -24,7 +24,7 @@ use crate::input_error::InputError;
 use crate::limits_table::LimitsTable;
 use crate::number::single;
 use crate::tables::{
-    DistortionTable, FittedTable, FmcTable, FocusFileTable, GridTable, MechanismName, Profile,
+    DistortionTable, FittedTable, FmcTable, FocusTable, GridTable, MechanismName, Profile,
     SensorTable, ShutterTable, pair,
 };
 use crate::text_file;
@@ -57,7 +57,7 @@ pub struct CameraFile {
     #[serde(default)]
     pub limits: LimitsTable,
     pub fitted: Option<FittedTable>,
-    pub focus: Option<FocusFileTable>,
+    pub focus: Option<FocusTable>,
     pub grid: Option<GridTable>,
 }
 
@@ -357,7 +357,7 @@ impl CameraFile {
             focus: self
                 .focus
                 .as_ref()
-                .map_or(FocusTable::NONE, FocusFileTable::table),
+                .map_or(focus_table::FocusTable::NONE, FocusTable::table),
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use fmc_camera::flight::stage::RunUp;
 use fmc_camera::geometry::five_coefficient::Regressor;
-use fmc_camera::geometry::focus_table::{FOCUS_ROWS, FocusRow, FocusTable};
+use fmc_camera::geometry::focus_table::{self, FOCUS_ROWS, FocusRow};
 use fmc_camera::geometry::grid::GridChecksums;
 use fmc_camera::geometry::sensor::FmcAxis;
 use serde::de::Error as _;
@@ -305,12 +305,12 @@ impl From<Per> for Regressor {
     missing_docs,
     reason = "each field is the key of the same name in the camera file"
 )]
-pub struct FocusFileTable {
+pub struct FocusTable {
     pub temperature_c: Vec<f64>,
     pub focus_shift_um: Vec<f64>,
 }
 
-impl FocusFileTable {
+impl FocusTable {
     /// Refuses lists of different lengths, or of another number of rows than a table may have.
     pub(crate) fn check(&self, text: &TomlText) -> Result<(), InputError> {
         let path = &["focus", "temperature_c"];
@@ -327,7 +327,7 @@ impl FocusFileTable {
     }
 
     /// The table as the camera is given it; empty for lists that [`Self::check`] refuses.
-    pub(crate) fn table(&self) -> FocusTable {
+    pub(crate) fn table(&self) -> focus_table::FocusTable {
         let lists = self.temperature_c.iter().zip(&self.focus_shift_um);
         let rows: Vec<FocusRow> = lists
             .map(|(temperature_c, focus_shift_um)| FocusRow {
@@ -335,7 +335,7 @@ impl FocusFileTable {
                 focus_shift_um: single(*focus_shift_um),
             })
             .collect();
-        FocusTable::new(&rows).unwrap_or(FocusTable::NONE)
+        focus_table::FocusTable::new(&rows).unwrap_or(focus_table::FocusTable::NONE)
     }
 }
 

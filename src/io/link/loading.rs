@@ -245,7 +245,7 @@ impl Loading {
 #[must_use]
 pub fn parameters(bytes: &[u8]) -> Option<CameraParameters> {
     let (mut record, rest) = postcard::take_from_bytes::<CameraParameters>(bytes).ok()?;
-    // What a camera does not have is not there, so that it has one CRC-32.
+    // Parts that a camera does not have are not there, so that it has one CRC-32.
     if rest.is_empty() {
         return Some(record);
     }

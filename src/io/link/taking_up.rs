@@ -160,7 +160,7 @@ impl<Deck: FlightDeck> Responder<Deck> {
             return Err(FlightAfterReset::NoCalibration);
         }
         let loaded: Result<CalibrationId, Refusal> =
-            self.put_into_use(parameters, calibration.crc, Storage::Volatile, false);
+            self.put_into_use(&parameters, calibration.crc, Storage::Volatile, false);
         match loaded {
             Ok(loaded) if loaded == *calibration => Ok(()),
             _ => Err(FlightAfterReset::NoCalibration),

@@ -52,7 +52,7 @@ pub(super) fn registry() -> Registry {
         };
     }
     trace!(Header, Request, Answer, CameraParameters);
-    // What stands behind the parameters.
+    // Behind the parameters.
     trace!(GridChecksums, FocusRow);
     // Each enumeration: only the first variant of one within another message is found from there.
     trace!(

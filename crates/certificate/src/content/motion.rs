@@ -3,7 +3,7 @@
 use fmc_camera::flight::camera::{Camera, Frame, FrameError};
 use fmc_camera::flight::exposure::Exposure;
 use fmc_camera_file::number::single;
-use fmc_camera_file::{CameraFile, FocusFileTable, MechanismName, Profile};
+use fmc_camera_file::{CameraFile, FocusTable, MechanismName, Profile};
 use fmc_reference::exposure::ExposureRequest;
 use fmc_reference::lens::Lens;
 use fmc_reference::residual_splines::ResidualSplines;
@@ -164,7 +164,7 @@ impl Motion {
 }
 
 /// Returns the rows of a focus table.
-fn focus_rows(table: &FocusFileTable) -> impl Iterator<Item = [Option<Stated>; 2]> {
+fn focus_rows(table: &FocusTable) -> impl Iterator<Item = [Option<Stated>; 2]> {
     let rows = table.temperature_c.iter().zip(&table.focus_shift_um);
     rows.map(|(celsius, shift_um)| [*celsius, *shift_um].map(Stated::exact))
 }
