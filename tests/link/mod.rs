@@ -36,6 +36,7 @@ mod schema;
 mod stored;
 #[path = "../../fuzz/targets.rs"]
 mod targets;
+mod temperature;
 mod trial_bench;
 mod trial_faults;
 mod wrong_bits;
