@@ -38,4 +38,5 @@ mod stored;
 mod targets;
 mod trial_bench;
 mod trial_faults;
+mod without_eyes;
 mod wrong_bits;
