@@ -21,6 +21,7 @@ import test_client
 import test_clock
 import test_edges
 import test_exchange
+import test_eyes
 import test_flight
 import test_force
 import test_memory
@@ -39,7 +40,7 @@ CLASSES = (
     test_store.Store, test_force.Force, test_flight.TenSeconds, test_shake.Shaking,
     test_start.Start, test_memory.Memory, test_stack.Stack, test_edges.Edges,
     test_shutter.Shutter, test_clock.Clock, test_client.Client, test_vectors.Vectors,
-    test_bring_up.BringUp, test_exchange.Exchange, test_records.Records,
+    test_bring_up.BringUp, test_exchange.Exchange, test_records.Records, test_eyes.Eyes,
 )  # fmt: skip
 # Those whose tests share what one of them has made.
 SHARING = (test_store.Store,)
