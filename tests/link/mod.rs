@@ -39,4 +39,5 @@ mod targets;
 mod temperature;
 mod trial_bench;
 mod trial_faults;
+mod without_eyes;
 mod wrong_bits;

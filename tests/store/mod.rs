@@ -21,3 +21,4 @@ mod short_words;
 mod signatures;
 pub(crate) mod signed;
 mod succession;
+mod wrong_rings;

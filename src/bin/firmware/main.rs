@@ -19,7 +19,10 @@ mod board;
 mod journal;
 
 #[cfg(all(board, feature = "store"))]
-use fmc_camera::io::store::record_ring::RingState;
+use fmc_camera::io::store::{
+    record_flash::RecordFlash,
+    record_ring::{RecordRing, RingState},
+};
 #[cfg(board)]
 use {
     board::{Board, Deck},
@@ -56,6 +59,23 @@ fn station(start: ResetCause) -> Station<Deck> {
     Station::with(identity, Board::stack_used_bytes, Board::deck(start))
 }
 
+/// Takes up the flight before the start, after a reset of at most so many milliseconds, and logs
+/// what it has found: in a frame of its own, which the main loop does without.
+#[cfg(board)]
+#[inline(never)]
+fn take_up(
+    station: &mut Station<Deck>,
+    start: ResetCause,
+    reset_at_most_ms: Option<u32>,
+    #[cfg(feature = "store")] ring: Option<&mut RecordRing<impl RecordFlash>>,
+) {
+    station.bound_reset(reset_at_most_ms);
+    let found = station.keep_flight_in(Board::flight_memory(start));
+    #[cfg(feature = "store")]
+    let found = ring.map_or(found, |ring| station.keep_records_in(ring));
+    journal::note_flight(&found);
+}
+
 /// Runs the main loop, once the board has started.
 #[cfg(board)]
 fn run(mut board: Board, start: ResetCause) -> ! {
@@ -70,14 +90,15 @@ fn run(mut board: Board, start: ResetCause) -> ! {
     if let Some(store) = &mut store {
         journal::note_stored(station.load_stored(store));
     }
-    let found = station.keep_flight_in(Board::flight_memory(start));
     #[cfg(feature = "store")]
     let mut ring = board.records();
-    #[cfg(feature = "store")]
-    let found = ring
-        .as_mut()
-        .map_or(found, |ring| station.keep_records_in(ring));
-    journal::note_flight(&found);
+    take_up(
+        &mut station,
+        start,
+        board.reset_at_most_ms(start),
+        #[cfg(feature = "store")]
+        ring.as_mut(),
+    );
     let mut ending = None;
     loop {
         board.feed_watchdog();
