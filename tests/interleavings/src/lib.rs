@@ -19,4 +19,9 @@ mod ring;
 mod round_guard;
 mod runs;
 mod shutter;
+#[allow(
+    clippy::needless_pass_by_value,
+    clippy::unused_self,
+    reason = "registers are used as those of the board's crate"
+)]
 mod timer;

@@ -104,9 +104,9 @@ fn rounds_are_overdue_if_they_are_late_and_never_otherwise_in_every_order() {
 #[test]
 fn guard_that_is_set_in_two_steps_or_does_not_wrap_is_found() {
     finds("two steps", || {
-        round_guard_in_two_steps::is_asked_while_it_is_set(STARTS[0])
+        round_guard_in_two_steps::is_asked_while_it_is_set(STARTS[0]);
     });
     finds("no wrap", || {
-        round_guard_without_wrap::clock_goes_on(STARTS[1])
+        round_guard_without_wrap::clock_goes_on(STARTS[1]);
     });
 }
