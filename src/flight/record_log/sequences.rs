@@ -1,5 +1,12 @@
 //! All short sequences of triggers, records, acknowledgements and copies, against a slow log.
 
+#![allow(
+    clippy::expect_used,
+    clippy::indexing_slicing,
+    clippy::unwrap_used,
+    reason = "tests"
+)]
+
 use std::vec::Vec;
 
 use super::*;
