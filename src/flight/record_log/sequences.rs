@@ -3,6 +3,7 @@
 #![allow(
     clippy::expect_used,
     clippy::indexing_slicing,
+    clippy::struct_excessive_bools,
     clippy::unwrap_used,
     reason = "tests"
 )]
