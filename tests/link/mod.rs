@@ -32,6 +32,7 @@ mod repeats;
 mod resets;
 #[cfg(all(feature = "estimation", feature = "store"))]
 mod schema;
+mod short_streams;
 #[cfg(feature = "store")]
 mod stored;
 #[path = "../../fuzz/targets.rs"]
