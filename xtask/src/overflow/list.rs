@@ -73,6 +73,15 @@ impl Found {
         spots.insert((place.line, place.column, code));
     }
 
+    /// Takes the places of a file away.
+    pub(super) fn take(&mut self, file: &str) -> Self {
+        let (taken, left) = std::mem::take(&mut self.0)
+            .into_iter()
+            .partition(|([of, ..], _)| of == file);
+        self.0 = left;
+        Self(taken)
+    }
+
     /// Returns how the list differs from what was found.
     pub(super) fn faults(&self, rows: &[Row], extent: Extent) -> Vec<String> {
         let is_compared = |file: &str| extent.has_core || !is_core(file);
@@ -223,6 +232,20 @@ mod tests {
         assert_eq!(found.faults(&more, other), [""; 0]);
         assert_eq!(found.faults(&more[1..2], other).len(), 1);
         assert_eq!(found.faults(&rows(2, ""), other).len(), 1);
+    }
+
+    #[test]
+    fn control_is_taken_from_the_places_and_is_not_in_the_list() {
+        let mut found = found(&[
+            ("src/a.rs", "f", "add", 7),
+            ("control.rs", "sum", "add", 17),
+        ]);
+        let control = found.take("control.rs");
+        let rows = [row("src/a.rs", "f", "add", 1, "below 8")];
+        assert_eq!(found.faults(&rows, WHOLE), [""; 0]);
+        let faults = control.faults(&rows, WHOLE);
+        let is_named = |fault: &String| fault.starts_with("control.rs, sum, add: 1 not in");
+        assert!(faults.iter().any(is_named), "{faults:?}");
     }
 
     #[test]

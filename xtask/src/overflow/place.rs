@@ -78,7 +78,12 @@ impl Image {
         let mut sections = BTreeMap::new();
         for section in file.sections() {
             let kind = section.kind();
-            if matches!(kind, SectionKind::Text | SectionKind::ReadOnlyData) {
+            let is_read = matches!(
+                kind,
+                SectionKind::Text | SectionKind::ReadOnlyData | SectionKind::ReadOnlyString
+            );
+            // The log's texts lie in a section that is not in the image.
+            if is_read && section.name()? != ".defmt" {
                 sections.insert(address(section.address())?, section.data()?.to_vec());
             }
         }

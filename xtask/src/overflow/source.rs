@@ -55,8 +55,8 @@ pub(super) fn file(path: &str) -> String {
     format!("{}/{rest}", name.unwrap_or(package))
 }
 
-/// Returns the function that a line is in, with the type or trait whose function it is: the
-/// headers above it that are indented less and less, as rustfmt writes them.
+/// Returns the function that a line is in, with the type or trait whose function it is, or the
+/// macro that makes it: the headers above it that are indented less and less, as rustfmt writes them.
 pub(super) fn function(lines: &[String], line: u32) -> Option<String> {
     let last = usize::try_from(line).ok()?;
     let above = lines.get(..last)?.iter().rev();
@@ -77,6 +77,12 @@ pub(super) fn function(lines: &[String], line: u32) -> Option<String> {
         is_end_of_header = [")", "{", "where", ">"]
             .iter()
             .any(|end| code.starts_with(end));
+        if name.is_none()
+            && let Some((name, _)) = code.split_once("! {")
+            && name.chars().all(|c| c.is_alphanumeric() || c == '_')
+        {
+            return Some(format!("{name}!"));
+        }
         match &name {
             None => name = name_of_function(code).map(str::to_owned),
             Some(function) => {
@@ -121,6 +127,9 @@ fn name_of_owner(code: &str) -> Option<&str> {
     };
     let header = header.trim_start().trim_start_matches("const ");
     let header = header.trim_start_matches(['&', '[', '(', '*']);
+    let is_lifetime = header.starts_with('\'');
+    let behind = header.split_once(' ').filter(|_| is_lifetime);
+    let header = behind.map_or(header, |(_, behind)| behind);
     let is_end = |c: char| !(c.is_alphanumeric() || "_:$".contains(c));
     let path = header.split(is_end).next()?;
     let path = path.trim_end_matches(':');
@@ -198,13 +207,15 @@ impl<T: Fn() -> u8, const N: usize> Ring<T, N> {
 
 fn free(a: u8) -> u8 { a + 1 }
 
-impl core::ops::Add for &super::Count {
+impl<'a> core::ops::Add<&'a u8> for &'a super::Count {
     fn add(self) {
         self.iter().map(|one| {
             one + 1
         })
     }
 }
+
+all_sums! { u8 u16 }
 ";
         let at = |code: &str| {
             let line = text.lines().position(|line| line.contains(code));
@@ -214,6 +225,7 @@ impl core::ops::Add for &super::Count {
         assert_eq!(at("            a + 1").as_deref(), Some("Ring::inner"));
         assert_eq!(at("fn free").as_deref(), Some("free"));
         assert_eq!(at("one + 1").as_deref(), Some("Count::add"));
+        assert_eq!(at("all_sums!").as_deref(), Some("all_sums!"));
         assert_eq!(function_at(text, 1), None);
         assert_eq!(function_at(text, 1000), None);
     }
