@@ -6,6 +6,7 @@
 use std::{
     collections::{BTreeMap, BTreeSet},
     ops::Range,
+    path::Path,
 };
 
 use anyhow::{Context as _, Result};
@@ -174,7 +175,8 @@ impl Image {
             [0, 4, 8, 12].map(|offset| address.checked_add(offset).and_then(|at| self.word(at)));
         let file = self.bytes(name?)?.get(..usize::try_from(length?).ok()?)?;
         let file = std::str::from_utf8(file).ok()?;
-        file.ends_with(".rs").then_some(Place {
+        let is_source = Path::new(file).extension().is_some_and(|end| end == "rs");
+        is_source.then_some(Place {
             file: file.to_owned(),
             line: line?,
             column: column?,
