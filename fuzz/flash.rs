@@ -321,7 +321,7 @@ impl Run {
     fn step(&mut self, erasing: Erasing, number: usize) {
         for _ in 0..=number {
             let state = self.ring.step(erasing);
-            // What was cut cannot be the fault of the ring.
+            // A word that was cut cannot be the fault of the ring.
             assert_ne!(state, RingState::Worn);
             if !self.ring.holds_entry() {
                 self.written.extend(self.held.take());

@@ -53,7 +53,7 @@ class Eyes(unittest.TestCase):
         self.assertEqual(len(seen), len(recorded))
         without = [time for time in times if time not in seen]
         # They follow each other: from the last round on, for no longer than the camera tells.
-        last_round = starts[1] + found["last_round"] * CYCLES_PER_US
+        last_round = starts[1] + found["last_round"]["us"] * CYCLES_PER_US
         self.assertEqual(without, [time for time in times if without[0] <= time <= without[-1]])
         self.assertGreater(without[0], last_round)
         self.assertLess(without[-1], last_round + told)

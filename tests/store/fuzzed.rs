@@ -1,5 +1,5 @@
-//! The fuzz targets of a camera's flash over their corpus, over damaged inputs of it and over seeded
-//! random ones.
+//! The fuzz targets of a camera's flash over their corpus, over damaged inputs of it and over
+//! seeded random ones.
 
 use std::path::Path;
 

@@ -47,8 +47,8 @@ impl Fuzzing {
     /// Runs targets, all if none is named.
     ///
     /// # Errors
-    /// An error for a name that is not a target, for a damaged corpus, or if folders cannot be read or
-    /// written.
+    /// An error for a name that is not a target, for a damaged corpus, or if folders
+    /// cannot be read or written.
     pub(crate) fn run(&self, workspace: &Workspace, named: &[String]) -> Result<ExitCode> {
         let fuzz = workspace.root.join("fuzz");
         let all = targets(&fuzz)?;
@@ -130,7 +130,7 @@ fn check_corpora(fuzz: &Path, targets: &BTreeSet<String>) -> Result<usize> {
     let mut inputs = 0;
     for name in targets {
         let folder = fuzz.join("corpus").join(name);
-        // What people have written is read instead of a corpus, until one is kept.
+        // Files that people have written are read instead of a corpus, until one is kept.
         if ALSO_INPUT.iter().any(|(also, _)| also == name) && !folder.exists() {
             continue;
         }

@@ -175,9 +175,9 @@ impl Setup<'_> {
     }
 }
 
-/// Returns the settings, if the camera can be flown with them. It is not inlined, as the preparation
-/// is not, so that a flight that is made in its place has their variables on the stack one after the
-/// other.
+/// Returns the settings, if the camera can be flown with them. It is not inlined, as the
+/// preparation is not, so that a flight that is made in its place has their variables on the stack
+/// one after the other.
 #[inline(never)]
 pub(in crate::flight) fn checked(
     camera: &Camera,

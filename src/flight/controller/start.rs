@@ -112,8 +112,8 @@ fn restart_aircraft(aircraft: &mut Aircraft, setup: &Setup) {
     );
 }
 
-/// Forgets the stage. The encoder's count is lost with the processor. A camera without a stage keeps
-/// that for the next one, whose stage may be on the same encoder.
+/// Forgets the stage. The encoder's count is lost with the processor. A camera without a stage
+/// keeps that for the next one, whose stage may be on the same encoder.
 #[inline(never)]
 fn restart_stage(stage: &mut StageMachine, setup: &Setup, start: Start) {
     *stage = StageMachine::new(start != Start::Orderly);

@@ -53,10 +53,10 @@ impl AtomicU32 {
 
 /// A counter of a ring, which one side writes and the other reads.
 ///
-/// The model checker compares a step with the last access alone. The writer's look at its own counter
-/// would hide that of the reader before it, and the order in which the writer is first would not be
-/// tried. So a side that has written last, and can only find that, is told it without a look; all
-/// other looks take turns, which order nothing else (`Relaxed`).
+/// The model checker compares a step with the last access alone. The writer's look at its own
+/// counter would hide that of the reader before it, and the order in which the writer is first
+/// would not be tried. So a side that has written last, and can only find that, is told it without
+/// a look; all other looks take turns, which order nothing else (`Relaxed`).
 #[derive(Debug)]
 pub struct AtomicUsize {
     number: Atomic<usize, atomic::AtomicUsize>,
@@ -108,8 +108,8 @@ pub struct AtomicU8 {
     use_of_it: OnceLock<UnsafeCell<()>>,
 }
 
-// SAFETY: the cell holds nothing, and is there for the model checker to see who uses it; its threads
-// run one after the other.
+// SAFETY: the cell holds nothing, and is there for the model checker to see who uses it; its
+// threads run one after the other.
 unsafe impl Sync for AtomicU8 {}
 
 impl AtomicU8 {

@@ -1,4 +1,4 @@
-//! What interrupts and the main loop share, in every order of their steps.
+//! Memory that interrupts and the main loop share, in every order of their steps.
 //!
 //! `loom` runs each model once for every order in which its threads can take their steps, and for
 //! every value that a load may see. The code is that of the library and of the board's firmware,

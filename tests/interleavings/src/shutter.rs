@@ -104,7 +104,7 @@ macro_rules! models_of {
             /// if it is asked for, early or late; then everything goes on until nothing changes.
             /// Returns the changes of the line, and what the main loop returns.
             fn run<T>(ticks: u32, main_loop: impl FnOnce() -> T) -> (Vec<u32>, T) {
-                // What the threads share is there before them.
+                // The threads share it: it is there before them.
                 drop(MASK.lock().unwrap());
                 assert!(step(|timer| !timer.is_high));
                 assert_eq!(SHUTTER.get(), ShutterOutput::new());

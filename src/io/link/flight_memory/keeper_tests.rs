@@ -145,8 +145,8 @@ fn acknowledgement_is_kept_before_records_reuse_the_slots_of_acknowledged_ones()
         let (mut camera, found) = Camera::started(ResetCause::Watchdog, words);
         assert_eq!(found.outcome, FlightAfterReset::StandsBy, "{left}");
         let records = camera.records();
-        // Those before the step, or after it, none of them damaged. Of the new ones there may be the
-        // number alone.
+        // Those before the step, or after it, none of them damaged. Of the new ones there may be
+        // the number alone.
         let from = records.first().map(|first| first.sequence);
         assert!(
             from == Some(1) || from == Some(acknowledged + 1),
