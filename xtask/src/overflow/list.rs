@@ -17,11 +17,11 @@ use super::{
 /// The list.
 pub(super) const LIST: &str = "docs/overflow.csv";
 
-/// Compiler with which the list was made. Another one leaves checks elsewhere, since it bounds other
-/// values itself.
+/// Compiler with which the list was made. Another one leaves checks elsewhere, since it bounds
+/// other values itself.
 pub(super) const MADE_WITH: &str = "rustc 1.96.0";
 
-/// What of the list a build can be compared with.
+/// Part of the list with which a build is compared.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Extent {
     /// `true` if the compiler is that of the list: otherwise numbers of places may differ, and rows
@@ -40,7 +40,7 @@ pub(super) struct Row {
     operation: String,
     /// Number of places in the function.
     places: usize,
-    /// What keeps the values from the overflow.
+    /// Bound that keeps the values from the overflow.
     bound: String,
 }
 

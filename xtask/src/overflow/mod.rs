@@ -1,5 +1,5 @@
-//! Places where arithmetic can overflow as far as the compiler can tell: each is in a list, with the
-//! bound that keeps its values from it.
+//! Places where arithmetic can overflow as far as the compiler can tell: each is in a list, with
+//! the bound that keeps its values from it.
 //!
 //! The images that fly wrap. Here they are built with checks of every operation, in a directory of
 //! their own: what the compiler can bound itself has no check left, and the rest is compared with

@@ -56,7 +56,8 @@ pub(super) fn file(path: &str) -> String {
 }
 
 /// Returns the function that a line is in, with the type or trait whose function it is, or the
-/// macro that makes it: the headers above it that are indented less and less, as rustfmt writes them.
+/// macro that makes it: the headers above it that are indented less and less, as rustfmt writes
+/// them.
 pub(super) fn function(lines: &[String], line: u32) -> Option<String> {
     let last = usize::try_from(line).ok()?;
     let above = lines.get(..last)?.iter().rev();
