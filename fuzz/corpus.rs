@@ -8,8 +8,8 @@ const LONGEST_BYTES: usize = 1 << 16;
 
 /// An input of a target.
 #[derive(Debug)]
+#[allow(dead_code, reason = "not every reader uses both")]
 pub(crate) struct Input {
-    #[allow(dead_code, reason = "not every reader tells it")]
     pub(crate) name: String,
     pub(crate) bytes: Vec<u8>,
 }

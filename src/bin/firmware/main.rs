@@ -31,12 +31,16 @@ use {
         message::{Identity, ResetCause},
         station::{LinkEvent, Station},
     },
-    static_cell::ConstStaticCell,
+    static_cell::{ConstStaticCell, StaticCell},
 };
 
 /// Memory for the residual grids of the camera.
 #[cfg(board)]
 static GRIDS: ConstStaticCell<GridMemory> = ConstStaticCell::new(GridMemory::EMPTY);
+
+/// The camera's end of the link, with the deck and the flight: off the stack, which requests share.
+#[cfg(board)]
+static STATION: StaticCell<Station<Deck>> = StaticCell::new();
 
 /// State of the sources from which this image was built: `build.rs` names it where nobody else has.
 #[cfg(board)]
@@ -50,13 +54,13 @@ fn main() {
     println!("This is the camera's firmware; `cargo xtask firmware` builds it for the target.");
 }
 
-/// Returns the camera's end of the link, in a frame of its own: that of the main loop would hold
-/// the deck twice, on its way and in its place.
+/// Returns the camera's end of the link, in its place; `None` the second time. Whatever of it is on
+/// the stack on its way is free when this returns.
 #[cfg(board)]
 #[inline(never)]
-fn station(start: ResetCause) -> Station<Deck> {
+fn station(start: ResetCause) -> Option<&'static mut Station<Deck>> {
     let identity = Identity::new(BUILD, Board::NAME, Board::CAN_POWER_OFF, start);
-    Station::with(identity, Board::stack_used_bytes, Board::deck(start))
+    STATION.try_init_with(|| Station::with(identity, Board::stack_used_bytes, Board::deck(start)))
 }
 
 /// Takes up the flight before the start, after a reset of at most so many milliseconds, and logs
@@ -80,7 +84,10 @@ fn take_up(
 #[cfg(board)]
 fn run(mut board: Board, start: ResetCause) -> ! {
     journal::note_start(Board::NAME, BUILD, start);
-    let mut station = station(start);
+    let Some(station) = station(start) else {
+        // There is one main loop.
+        board.reset();
+    };
     if let Some(memory) = GRIDS.try_take() {
         station.keep_grids_in(memory);
     }
@@ -93,7 +100,7 @@ fn run(mut board: Board, start: ResetCause) -> ! {
     #[cfg(feature = "store")]
     let mut ring = board.records();
     take_up(
-        &mut station,
+        station,
         start,
         board.reset_at_most_ms(start),
         #[cfg(feature = "store")]
