@@ -17,11 +17,11 @@ use fmc_camera::flight::vh::VhSample;
 use fmc_camera::io::link::after_reset::{
     AfterReset, FlightAfterReset, RESETS_IN_A_ROW, WithoutEyes,
 };
-use fmc_camera::io::link::message::{Ending, ResetCause, Status};
+use fmc_camera::io::link::message::{Ending, ResetCause};
 use fmc_camera::{CalibrationParameters, CameraParameters};
 use fmc_simulation::mechanics::{Mechanics, MechanicsSettings};
 use host_sim::device::qemu::{Qemu, QemuOptions};
-use host_sim::device::{FlyingDevice as _, Machine, RecordSource as _};
+use host_sim::device::{FlyingDevice as _, Machine};
 
 use crate::firmware::drills::{
     Drill, LOOK_EVERY, OVERFLOW, RESTARTED_WITHIN, WATCHDOG, restart_by,
@@ -156,10 +156,6 @@ impl Flight {
         self.until(ready);
     }
 
-    fn status(&mut self) -> Status {
-        self.device.flight_status().unwrap()
-    }
-
     /// Fetches all records, and acknowledges none.
     fn records(&mut self) -> Vec<FrameRecord> {
         records_of(&mut self.device)
@@ -272,47 +268,6 @@ fn flight_goes_on_after_a_reset_within_a_second_with_all_its_records() {
             assert!(after.flags.contains(Flag::PlannedMotion), "{after:?}");
             assert!(after.faults.contains(Fault::Watchdog), "{after:?}");
         }
-    }
-}
-
-#[test]
-#[ignore = "needs QEMU and the image: cargo xtask test"]
-fn triggers_without_a_record_are_those_of_the_time_that_the_camera_tells() {
-    for machine in [Machine::An386, Machine::An500] {
-        let mut flight = Flight::armed(machine);
-        let before = flight.status().counts.triggers;
-        let mut fired = 0;
-        // A trigger in every millisecond, through the reset.
-        for _ in 0..5 {
-            flight.round(Some(Event::Trigger));
-            fired += 1;
-        }
-        let found = flight.reset(Reset::By(&WATCHDOG[0]));
-        let WithoutEyes::GoesOn { before_clock_ms } = found.without_eyes else {
-            panic!("{found:?}");
-        };
-        // The watchdog's period, and from there by the clock of the log.
-        let at_us = |words| logged_at_us(&flight.device, words);
-        let reset_ms = 250 + (at_us("starts after") - at_us("main loop stands still")) / 1000;
-        assert!(reset_ms <= u64::from(before_clock_ms), "{reset_ms} ms");
-        let start_up_ms = (at_us("the flight goes on") - at_us("starts after")).div_ceil(1000);
-        // Time of the rig begins anew with that of the camera.
-        flight.round = start_up_ms;
-        fired += reset_ms + start_up_ms;
-        for _ in 0..5 {
-            flight.round(Some(Event::Trigger));
-            fired += 1;
-        }
-        let status = flight.status();
-        let without_record = fired - u64::from(status.counts.triggers - before);
-        assert_eq!(without_record, reset_ms + start_up_ms);
-        let told = status.after_reset.without_eyes;
-        let expected = WithoutEyes::AtMost {
-            before_clock_ms,
-            start_up_ms: u32::try_from(start_up_ms + 1).unwrap(),
-        };
-        assert_eq!(told, expected);
-        assert!(without_record <= u64::from(told.at_most_ms().unwrap()));
     }
 }
 
