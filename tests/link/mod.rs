@@ -37,7 +37,6 @@ mod short_streams;
 mod stored;
 #[path = "../../fuzz/targets.rs"]
 mod targets;
-mod temperature;
 mod trial_bench;
 mod trial_faults;
 mod without_eyes;

@@ -9,7 +9,7 @@ use fmc_camera::geometry::range::Quantity;
 const DOCUMENT: &str = include_str!("../../../docs/camera-file.md");
 
 /// Tables of the file; `""` is its top.
-const TABLES: [&str; 9] = [
+const TABLES: [&str; 8] = [
     "",
     "sensor",
     "distortion",
@@ -17,7 +17,6 @@ const TABLES: [&str; 9] = [
     "shutter",
     "limits",
     "fitted",
-    "focus",
     "grid",
 ];
 

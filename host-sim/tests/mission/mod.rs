@@ -23,7 +23,5 @@ mod support;
 #[cfg(test)]
 mod sweep;
 #[cfg(test)]
-mod temperature;
-#[cfg(test)]
 mod vh_statistics;
 mod wires;

@@ -60,7 +60,6 @@ impl Controller {
         }
         self.stage.forget_readings();
         self.aircraft.restart_clock();
-        self.temperature.forget_time();
         self.stop(Fault::Clock, actions);
     }
 

@@ -69,7 +69,7 @@ mod taking_up;
 pub mod wired_deck;
 
 /// Version of packets and messages. It changes whenever a message does.
-pub const PROTOCOL_VERSION: u8 = 11;
+pub const PROTOCOL_VERSION: u8 = 10;
 
 /// Number of points in one message; every buffer's size follows from it.
 pub const MAX_POINTS: usize = 64;
@@ -80,9 +80,9 @@ pub const MAX_OBSERVATIONS: usize = 40;
 /// Most bytes of a camera's parameters, as `postcard` writes a
 /// [`CameraParameters`](crate::flight::camera::CameraParameters): the camera keeps them until they
 /// are complete.
-pub const CALIBRATION_CAPACITY: usize = 336;
+pub const CALIBRATION_CAPACITY: usize = 256;
 
-/// Most bytes of a camera's parameters in one message. A calibration comes in two to five, so that
+/// Most bytes of a camera's parameters in one message. A calibration comes in two or three, so that
 /// every one that is loaded shows that parts are put together.
 pub const MAX_PART: usize = 64;
 

@@ -75,7 +75,6 @@ pub(crate) fn keep() {
         Camera::id,
         Camera::bounded_by,
         Camera::grid_checksums,
-        Camera::focus_table,
         Camera::plan,
         Camera::motion,
         Camera::frame,
