@@ -12,7 +12,6 @@
 pub(crate) mod calibrations;
 mod cuts;
 pub(crate) mod flash_model;
-mod fuzzed;
 pub(crate) mod grids;
 pub(crate) mod images;
 mod orders;
@@ -22,4 +21,3 @@ mod short_words;
 mod signatures;
 pub(crate) mod signed;
 mod succession;
-mod wrong_rings;

@@ -24,7 +24,6 @@ mod machine;
 mod missing;
 mod no_panic;
 mod other_target;
-mod overflow;
 mod python;
 mod rounding;
 mod route;

@@ -19,10 +19,7 @@ mod board;
 mod journal;
 
 #[cfg(all(board, feature = "store"))]
-use fmc_camera::io::store::{
-    record_flash::RecordFlash,
-    record_ring::{RecordRing, RingState},
-};
+use fmc_camera::io::store::record_ring::RingState;
 #[cfg(board)]
 use {
     board::{Board, Deck},
@@ -31,16 +28,12 @@ use {
         message::{Identity, ResetCause},
         station::{LinkEvent, Station},
     },
-    static_cell::{ConstStaticCell, StaticCell},
+    static_cell::ConstStaticCell,
 };
 
 /// Memory for the residual grids of the camera.
 #[cfg(board)]
 static GRIDS: ConstStaticCell<GridMemory> = ConstStaticCell::new(GridMemory::EMPTY);
-
-/// The camera's end of the link, with the deck and the flight: off the stack, which requests share.
-#[cfg(board)]
-static STATION: StaticCell<Station<Deck>> = StaticCell::new();
 
 /// State of the sources from which this image was built: `build.rs` names it where nobody else has.
 #[cfg(board)]
@@ -54,40 +47,20 @@ fn main() {
     println!("This is the camera's firmware; `cargo xtask firmware` builds it for the target.");
 }
 
-/// Returns the camera's end of the link, in its place; `None` the second time. Whatever of it is on
-/// the stack on its way is free when this returns.
+/// Returns the camera's end of the link, in a frame of its own: that of the main loop would hold
+/// the deck twice, on its way and in its place.
 #[cfg(board)]
 #[inline(never)]
-fn station(start: ResetCause) -> Option<&'static mut Station<Deck>> {
+fn station(start: ResetCause) -> Station<Deck> {
     let identity = Identity::new(BUILD, Board::NAME, Board::CAN_POWER_OFF, start);
-    STATION.try_init_with(|| Station::with(identity, Board::stack_used_bytes, Board::deck(start)))
-}
-
-/// Takes up the flight before the start, after a reset of at most so many milliseconds, and logs
-/// what it has found: in a frame of its own, which the main loop does without.
-#[cfg(board)]
-#[inline(never)]
-fn take_up(
-    station: &mut Station<Deck>,
-    start: ResetCause,
-    reset_at_most_ms: Option<u32>,
-    #[cfg(feature = "store")] ring: Option<&mut RecordRing<impl RecordFlash>>,
-) {
-    station.bound_reset(reset_at_most_ms);
-    let found = station.keep_flight_in(Board::flight_memory(start));
-    #[cfg(feature = "store")]
-    let found = ring.map_or(found, |ring| station.keep_records_in(ring));
-    journal::note_flight(&found);
+    Station::with(identity, Board::stack_used_bytes, Board::deck(start))
 }
 
 /// Runs the main loop, once the board has started.
 #[cfg(board)]
 fn run(mut board: Board, start: ResetCause) -> ! {
     journal::note_start(Board::NAME, BUILD, start);
-    let Some(station) = station(start) else {
-        // There is one main loop.
-        board.reset();
-    };
+    let mut station = station(start);
     if let Some(memory) = GRIDS.try_take() {
         station.keep_grids_in(memory);
     }
@@ -97,15 +70,14 @@ fn run(mut board: Board, start: ResetCause) -> ! {
     if let Some(store) = &mut store {
         journal::note_stored(station.load_stored(store));
     }
+    let found = station.keep_flight_in(Board::flight_memory(start));
     #[cfg(feature = "store")]
     let mut ring = board.records();
-    take_up(
-        station,
-        start,
-        board.reset_at_most_ms(start),
-        #[cfg(feature = "store")]
-        ring.as_mut(),
-    );
+    #[cfg(feature = "store")]
+    let found = ring
+        .as_mut()
+        .map_or(found, |ring| station.keep_records_in(ring));
+    journal::note_flight(&found);
     let mut ending = None;
     loop {
         board.feed_watchdog();

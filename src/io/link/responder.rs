@@ -481,9 +481,7 @@ impl<Deck: FlightDeck> Responder<Deck> {
     /// Copies what has changed of the flight.
     #[inline]
     pub(super) fn keep_flight(&mut self) {
-        if let Some(first) = self.keeper.keep(self.deck.record_holder_mut()) {
-            self.identity.after_reset.without_eyes.end(first);
-        }
+        self.keeper.keep(self.deck.record_holder_mut());
     }
 
     pub(super) fn put_into_use(

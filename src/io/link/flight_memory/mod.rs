@@ -15,8 +15,6 @@
 mod block;
 mod contents;
 #[cfg(test)]
-mod keeper_tests;
-#[cfg(test)]
 mod tests;
 mod words;
 

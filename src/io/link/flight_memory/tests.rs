@@ -16,7 +16,6 @@ fn head(writing: u32) -> KeptHead {
         boot: 3,
         flight: 7,
         resumed: 1,
-        has_round: true,
         prepared: None,
     }
 }
