@@ -7,6 +7,12 @@ mod aircraft;
 mod controller;
 #[cfg(all(test, feature = "estimation"))]
 mod conventions;
+#[cfg(all(
+    test,
+    any(feature = "link", all(feature = "mavlink", feature = "nmea"))
+))]
+#[path = "../fuzz/corpus.rs"]
+mod corpus;
 #[cfg(test)]
 mod drive;
 #[cfg(all(test, feature = "estimation"))]

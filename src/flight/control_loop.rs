@@ -124,6 +124,8 @@ pub(super) fn round(
     take((setup, controller), drive, now, &actions, outside);
 }
 
+/// Carries out what the drive does, and leaves the other actions to the board. An opening is looked
+/// at once more.
 fn take(
     (setup, controller): (&Setup, &mut Controller),
     drive: &mut impl FmcDrive,
@@ -140,25 +142,27 @@ fn take(
                 is_refused = true;
             }
             Action::MoveStage(setpoint) => failed = drive.follow(now, setpoint).err(),
-            Action::ReleaseStage => drive.release(),
-            // There is room for all.
-            other => {
-                let _ = outside.push(other);
-            }
+            other => hand_over(other, drive, outside),
         }
     }
     if is_refused {
         for action in &controller.refuse_opening(setup, now) {
-            let _ = outside.push(*action);
+            hand_over(*action, drive, outside);
         }
     }
     if let Some(fault) = failed {
         for action in &controller.handle(setup, now, Event::Drive(fault)) {
-            if *action == Action::ReleaseStage {
-                drive.release();
-            } else {
-                let _ = outside.push(*action);
-            }
+            hand_over(*action, drive, outside);
         }
+    }
+}
+
+/// Releases the drive if that is the action, and leaves any other to the board.
+fn hand_over(action: Action, drive: &mut impl FmcDrive, outside: &mut RoundActions) {
+    if action == Action::ReleaseStage {
+        drive.release();
+    } else {
+        // There is room for all.
+        let _ = outside.push(action);
     }
 }

@@ -41,12 +41,12 @@ const PARTS: f32 = 65_536.0 * 65_536.0;
 /// Clock whose rate follows the time pulses.
 ///
 /// # Model
-/// With d the error of the counter's rate, positive if it is fast, camera time goes on by Δ/(1 + d)
-/// while the counter goes on by Δ. Exposures and speeds of the stage that are planned in camera
-/// time are then those of true seconds. d is 0 until [`CONSISTENT_INTERVALS`] pulses in a row come
-/// a second apart by a rate of up to [`WORST_RATE_PPM`], each within [`AGREEMENT_PPM`] of the
-/// first; the mean of these replaces a d that is off by more than [`REPLACED_PPM`]. Beyond
-/// [`TRACKED_PPM`] d follows by 1 ppm per pulse. What is left is for
+/// With d the error of the counter's rate, positive if it is fast, camera time goes on by
+/// Δ/(1 + d) while the counter goes on by Δ. Exposures and speeds of the stage that are planned in
+/// camera time are then those of true seconds. d is 0 until [`CONSISTENT_INTERVALS`] pulses in a
+/// row come a second apart by a rate of up to [`WORST_RATE_PPM`], each within [`AGREEMENT_PPM`] of
+/// the mean of those before; the mean of these replaces a d that is off by more than
+/// [`REPLACED_PPM`]. Beyond [`TRACKED_PPM`] d follows by 1 ppm per pulse. What is left is for
 /// [`UtcClock`](super::utc::UtcClock), which measures it. Camera time never jumps; after a change
 /// of d, stamps from before it are converted by the new one, which differs by 10 µs for a stamp 1
 /// ms old at most.
@@ -282,6 +282,8 @@ const fn moved(time: Time, by_us: i64) -> Time {
     Time::from_us(time.us().saturating_add_signed(by_us))
 }
 
+#[cfg(test)]
+mod sequences;
 #[cfg(test)]
 mod tests {
     use super::*;

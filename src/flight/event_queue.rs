@@ -180,6 +180,8 @@ impl EventQueue {
 }
 
 #[cfg(test)]
+mod sequences;
+#[cfg(test)]
 mod tests {
     use super::*;
     use crate::flight::control_loop::MAX_ROUND_ACTIONS;

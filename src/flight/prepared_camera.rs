@@ -68,9 +68,20 @@ impl PreparedCamera {
         start: Start,
     ) -> Result<&'a mut Self, ControllerError> {
         let settings = checked(camera, settings)?;
-        let prepared = place.write(Self::unprepared(camera.clone(), &settings));
+        let prepared = Self::put(place, camera, &settings);
         prepared.begin(start);
         Ok(prepared)
+    }
+
+    /// Puts a camera whose flight has not begun into a place. It is not inlined: its variables are
+    /// off the stack before the flight begins, and not yet on it where settings are checked.
+    #[inline(never)]
+    fn put<'a>(
+        place: &'a mut MaybeUninit<Self>,
+        camera: &Camera,
+        settings: &FlightSettings,
+    ) -> &'a mut Self {
+        place.write(Self::unprepared(camera.clone(), settings))
     }
 
     /// Returns a camera whose flight has not begun. It is inlined, so that it is made in its place.

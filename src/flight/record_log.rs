@@ -460,6 +460,8 @@ const fn bit(slot: Slot) -> u64 {
     1_u64.wrapping_shl(slot as u32)
 }
 
+#[cfg(all(test, feature = "store"))]
+mod sequences;
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,6 +1,5 @@
 //! The fuzz targets over their corpus and over seeded random input.
 
-use std::fs;
 use std::path::Path;
 
 use proptest::collection::vec;
@@ -9,18 +8,18 @@ use proptest::sample::select;
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
 
 use crate::aircraft::targets;
+use crate::corpus;
 
 /// Runs every input of the corpus, then random ones, the same every time.
-fn run(target: fn(&[u8]), corpus: &str, frequent: &'static [u8]) {
+fn run(target: fn(&[u8]), name: &str, frequent: &'static [u8]) {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("fuzz/corpus")
-        .join(corpus);
-    let mut inputs = 0;
-    for entry in fs::read_dir(folder).unwrap() {
-        target(&fs::read(entry.unwrap().path()).unwrap());
-        inputs += 1;
+        .join(name);
+    let inputs = corpus::read(&folder).unwrap();
+    assert!(inputs.len() > 10, "{} inputs of {name}", inputs.len());
+    for input in inputs {
+        target(&input.bytes);
     }
-    assert!(inputs > 10, "{inputs} inputs in the corpus {corpus}");
     let seed = TestRng::deterministic_rng(RngAlgorithm::ChaCha);
     let mut runner = TestRunner::new_with_rng(
         Config {

@@ -2,6 +2,7 @@
 own time.
 """
 
+import functools
 import os
 import pathlib
 import random
@@ -20,6 +21,7 @@ CYCLES_PER_S = 1_000_000 * CYCLES_PER_US
 LOOK_CYCLES = 500 * CYCLES_PER_US
 
 
+@functools.cache
 def segments(image):
     """Returns addresses and bytes of what is flashed."""
     with pathlib.Path(image).open("rb") as file:

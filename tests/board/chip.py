@@ -98,8 +98,8 @@ class Pins:
             return self.levels[port]
         if offset == 0x10:
             letter = PORTS[port]
-            high = (pin for pin in range(16) if self.inputs.get(f"P{letter}{pin}"))
-            return sum(1 << pin for pin in high)
+            high = (name for name, level in self.inputs.items() if level and name[1] == letter)
+            return sum(1 << int(name[2:]) for name in high)
         return self.registers.get((port, offset), 0)
 
     def write(self, address, value):
@@ -236,8 +236,8 @@ class Chip:
         self.timers = (self.motor, self.clock, self.shutter, self.encoder, self.interval)
         self.ports = (self.link, self.receiver, self.autopilot)
         self.interrupts = (
-            (28, self.clock), (38, self.receiver), (39, self.link), (50, self.shutter),
-            (82, self.autopilot),
+            (28, self.clock.line), (38, self.receiver.line), (39, self.link.line),
+            (50, self.shutter.line), (82, self.autopilot.line),
         )  # fmt: skip
         blocks = (*self.timers, *self.ports, self.bank, self.streams, self.requests)
         self.blocks = {block.base >> 10: block for block in blocks}
@@ -311,7 +311,7 @@ class Chip:
 
     def lines(self):
         """Returns the numbers of the interrupts that are asked for, lowest first."""
-        return [number for number, block in self.interrupts if block.line()]
+        return [number for number, line in self.interrupts if line()]
 
     # Registers.
 

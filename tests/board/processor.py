@@ -8,9 +8,11 @@ time.
 """
 
 import heapq
+import re
 import struct
 
 import unicorn
+from registers import Registers
 from unicorn import arm_const as arm
 
 # Cycles per microsecond: 400 MHz.
@@ -55,6 +57,7 @@ FETCH_FAULT, ACCESS_FAULT, FRAME_FAULT = 0x1, 0x2, 0x10
 # Registers of the memory protection (ARMv7-M, section B3.5), and permissions by field AP.
 MPU_CTRL, MPU_RNR, MPU_RBAR, MPU_RASR = 0xE000_ED94, 0xE000_ED98, 0xE000_ED9C, 0xE000_EDA0
 MPU_TYPE, MPU_REGIONS = 0xE000_ED90, 16
+SMALLEST_REGION = 32
 _READ, _WRITE, _FETCH = unicorn.UC_PROT_READ, unicorn.UC_PROT_WRITE, unicorn.UC_PROT_EXEC
 PERMISSIONS = {0: 0, 1: _READ | _WRITE, 3: _READ | _WRITE, 5: _READ, 6: _READ, 7: _READ}
 PROTECTED = {
@@ -63,11 +66,13 @@ PROTECTED = {
     unicorn.UC_ERR_WRITE_PROT: ACCESS_FAULT,
 }
 
+# Registers of an exception's frame besides PC, and the stack pointer.
 _PUSHED = (
     arm.UC_ARM_REG_R0, arm.UC_ARM_REG_R1, arm.UC_ARM_REG_R2, arm.UC_ARM_REG_R3,
-    arm.UC_ARM_REG_R12, arm.UC_ARM_REG_LR, arm.UC_ARM_REG_PC, arm.UC_ARM_REG_XPSR,
+    arm.UC_ARM_REG_R12, arm.UC_ARM_REG_LR, arm.UC_ARM_REG_XPSR,
+    *(arm.UC_ARM_REG_D0 + number for number in range(8)),
+    arm.UC_ARM_REG_FPSCR, arm.UC_ARM_REG_SP,
 )  # fmt: skip
-_FLOATS = tuple(arm.UC_ARM_REG_D0 + number for number in range(8))
 
 
 class Processor:
@@ -85,6 +90,12 @@ class Processor:
         mode = unicorn.UC_MODE_THUMB | unicorn.UC_MODE_MCLASS
         self.uc = uc = unicorn.Uc(unicorn.UC_ARCH_ARM, mode)
         uc.ctl_set_cpu_model(arm.UC_CPU_ARM_CORTEX_M7)
+        self.pushed = Registers(uc, *_PUSHED)
+        self.entered = Registers(
+            uc, arm.UC_ARM_REG_SP, arm.UC_ARM_REG_LR, arm.UC_ARM_REG_XPSR
+        )
+        self.program_counter = Registers(uc, arm.UC_ARM_REG_PC)
+        self.masks = Registers(uc, arm.UC_ARM_REG_PRIMASK, arm.UC_ARM_REG_FAULTMASK)
         uc.mem_map(FLASH, FLASH_BYTES, unicorn.UC_PROT_READ | unicorn.UC_PROT_EXEC)
         for start, length in MEMORIES[1:]:
             uc.mem_map(start, length)
@@ -94,11 +105,13 @@ class Processor:
         uc.mmio_map(PRIVATE, PRIVATE_BYTES, self._read_private, None, self._write_private, None)
         for address, data in segments:
             uc.mem_write(address, data)
-            for place in range(0, len(data) - 1, 2):
-                if data[place : place + 2] == WFI:
-                    at = address + place
+            for found in re.finditer(re.escape(WFI), data):
+                at = address + found.start()
+                if at % 2 == 0:
                     uc.hook_add(unicorn.UC_HOOK_CODE, self._sleeps, begin=at, end=at)
         self.resets = []
+        # Permissions that the memories have.
+        self.protected = {}
         self.reset_core()
 
     # Time.
@@ -192,6 +205,7 @@ class Processor:
             base, attributes = self.regions.get(number, (0, 0))
             is_base = address == MPU_RBAR
             self.regions[number] = (value & ~0x1F, attributes) if is_base else (base, value)
+            self.allowed = {}
             if not is_base:
                 self._protect()
         elif address == MPU_CTRL:
@@ -202,6 +216,14 @@ class Processor:
 
     def permissions(self, address):
         """Returns what the memory protection allows at an address; handlers of faults may all."""
+        # No region is smaller.
+        place = address // SMALLEST_REGION
+        allowed = self.allowed.get(place)
+        if allowed is None:
+            allowed = self.allowed[place] = self._permissions(address)
+        return allowed
+
+    def _permissions(self, address):
         control = self.private.get(MPU_CTRL, 0)
         is_background = not control & 1 or control & 4
         allowed = _READ | _WRITE | _FETCH if is_background else 0
@@ -219,6 +241,7 @@ class Processor:
 
     def _protect(self):
         """Gives the memories the permissions that the protection leaves, kilobyte by kilobyte."""
+        self.allowed = {}
         for start, length in MEMORIES:
             chip = _READ | _FETCH if start == FLASH else _READ | _WRITE | _FETCH
             edges = {start, start + length}
@@ -226,8 +249,15 @@ class Processor:
                 size = 2 << (attributes >> 1 & 0x1F)
                 edges |= {edge for edge in (base, base + size) if start < edge < start + length}
             edges = sorted(edges)
-            for begin, end in zip(edges, edges[1:]):
-                self.uc.mem_protect(begin, end - begin, chip & self.permissions(begin))
+            parts = [
+                (begin, end - begin, chip & self.permissions(begin))
+                for begin, end in zip(edges, edges[1:])
+            ]
+            # To protect memory anew drops the instructions that Unicorn has translated.
+            if parts != self.protected.get(start):
+                self.protected[start] = parts
+                for part in parts:
+                    self.uc.mem_protect(*part)
 
     def _start_systick(self, epoch):
         self.after(self.private.get(0xE000_E014, 0) + 1, lambda: self._tick(epoch))
@@ -327,10 +357,8 @@ class Processor:
         handler failed").
         """
         uc = self.uc
-        uc.reg_write(arm.UC_ARM_REG_PC, self.pc | 1)
-        *core, _, xpsr = uc.reg_read_batch(_PUSHED)
-        floats = uc.reg_read_batch(_FLOATS)
-        stack = uc.reg_read(arm.UC_ARM_REG_SP)
+        self.program_counter.write(self.pc | 1)
+        *core, xpsr, d0, d1, d2, d3, d4, d5, d6, d7, fpscr, stack = self.pushed.read()
         frame = (stack - FRAME_BYTES) & ~7
         if not any(
             start <= frame and stack <= start + length
@@ -345,17 +373,15 @@ class Processor:
         pushed = struct.pack(
             "<8I8QII",
             *core, self.pc, xpsr & ~0x200 | aligned,
-            *floats, uc.reg_read(arm.UC_ARM_REG_FPSCR), 0,
+            d0, d1, d2, d3, d4, d5, d6, d7, fpscr, 0,
         )  # fmt: skip
         if status:
             self._note_fault(status)
             number = min(number, HARD_FAULT)
         else:
             uc.mem_write(frame, pushed)
-        uc.reg_write(arm.UC_ARM_REG_SP, frame)
-        uc.reg_write(arm.UC_ARM_REG_LR, RETURN | 1)
         # No flag and no rest of a conditional block goes on into the handler.
-        uc.reg_write(arm.UC_ARM_REG_XPSR, 0x0100_0000)
+        self.entered.write(frame, RETURN | 1, 0x0100_0000)
         table = self.private.get(0xE000_ED08, FLASH)
         (handler,) = struct.unpack("<I", uc.mem_read(table + 4 * number, 4))
         self.pc = handler & ~1
@@ -372,10 +398,8 @@ class Processor:
         frame = uc.reg_read(arm.UC_ARM_REG_SP)
         words = struct.unpack("<8I8QII", uc.mem_read(frame, FRAME_BYTES))
         core, (pc, xpsr), floats, fpscr = words[:6], words[6:8], words[8:16], words[16]
-        uc.reg_write_batch(list(zip(_PUSHED[:6], core)) + list(zip(_FLOATS, floats)))
-        uc.reg_write(arm.UC_ARM_REG_FPSCR, fpscr)
-        uc.reg_write(arm.UC_ARM_REG_SP, frame + FRAME_BYTES + (4 if xpsr & 0x200 else 0))
-        uc.reg_write(arm.UC_ARM_REG_XPSR, xpsr & ~0x200)
+        stack = frame + FRAME_BYTES + (4 if xpsr & 0x200 else 0)
+        self.pushed.write(*core, xpsr & ~0x200, *floats, fpscr, stack)
         self.pc = pc & ~1
         if self.active.pop() in (NMI, HARD_FAULT):
             self._protect()
@@ -414,9 +438,7 @@ class Processor:
                 self.asleep = False
             masked = False
             if pending is not None and not self.active:
-                masked = pending > HARD_FAULT and (
-                    self.uc.reg_read(arm.UC_ARM_REG_PRIMASK) & 1 or self.is_fault_masked()
-                )
+                masked = pending > HARD_FAULT and any(mask & 1 for mask in self.masks.read())
                 if not masked:
                     self._enter(pending)
             elif pending == NMI and self.active[-1] > HARD_FAULT:
@@ -455,7 +477,7 @@ class Processor:
         try:
             uc.emu_start(self.pc | 1, RETURN, count=instructions)
         except unicorn.UcError as error:
-            self.pc = uc.reg_read(arm.UC_ARM_REG_PC) & ~1
+            self.pc = self.program_counter.read()[0] & ~1
             self.now += instructions // 2
             if self.pc == RETURN:
                 # Unicorn leaves returns from exceptions to its user.
@@ -468,7 +490,7 @@ class Processor:
             self.fault(UNDEFINED if is_code else BUS_FAULT)
             return
         self.now += instructions // 2 if self.asleep else instructions
-        self.pc = uc.reg_read(arm.UC_ARM_REG_PC) & ~1
+        self.pc = self.program_counter.read()[0] & ~1
         if self.failed:
             status, self.failed = self.failed, 0
             self.fault(status)

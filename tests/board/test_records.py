@@ -62,6 +62,7 @@ class Records(unittest.TestCase):
         found = self.after_reset(flight)
         self.assertEqual((found["outcome"], found["boot"], found["flight"]), ("FromFlash", 2, 1))
         self.assertEqual((found["records"], found["damaged"]), (4, 0))
+        self.assertEqual(found["without_eyes"], "Unknown")
         records = flight.records()
         self.assertEqual(self.numbers(records), [(number, 1, 1) for number in range(1, 5)])
         self.assertEqual({record["outcome"] for record in records}, {"exposed"})

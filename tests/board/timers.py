@@ -283,8 +283,9 @@ class EncoderTimer(Timer):
         return (self.tracks(time) - self.zero) & 0xFFFF
 
     def read(self, offset):
-        # What the tracks have done by now may have latched.
-        self.tracks(self.processor.now)
+        # What the tracks have done by now may have latched; to count looks at them, too.
+        if offset != CNT:
+            self.tracks(self.processor.now)
         return super().read(offset)
 
     def _plan(self, channel):

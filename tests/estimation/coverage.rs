@@ -1,5 +1,6 @@
 //! Coverage of the standard deviations.
 
+use fmc_camera::geometry::estimation::fit::Fit;
 use fmc_camera::geometry::estimation::options::{FitOptions, StaticDecentring};
 use fmc_camera::geometry::sensor::FmcAxis;
 
@@ -61,5 +62,8 @@ fn degrees_of_freedom_count_both_coordinates() {
         let ratio = fit.sigma0_as_printed.unwrap() / fit.sigma0;
         let expected = (f64::from(36 - unknowns) / f64::from(18 - unknowns)).sqrt();
         assert!((ratio / expected - 1.0).abs() < 1e-12);
+        // As many points as are counted have twice as many coordinates as can be.
+        let points = u32::MAX;
+        assert_eq!(Fit { points, ..fit }.redundancy(), u32::MAX - unknowns);
     }
 }

@@ -251,8 +251,8 @@ proptest! {
     #[test]
     fn any_ideal_point_gives_a_point_that_corrects_to_it_or_an_error(
         disorder in any::<bool>(),
-        x in prop_oneof![-30.0_f32..30.0, any::<f32>()],
-        y in prop_oneof![-23.0_f32..23.0, any::<f32>()],
+        x in prop_oneof![-30.0_f32..30.0, -200.0_f32..200.0, any::<f32>()],
+        y in prop_oneof![-23.0_f32..23.0, -200.0_f32..200.0, any::<f32>()],
     ) {
         let coefficients = if disorder { noise } else { wave };
         let bytes = file(&header(GridCarrier::Lens), coefficients);
@@ -268,8 +268,11 @@ proptest! {
                 prop_assert!((back.x_mm - x).abs() < 1e-5 && (back.y_mm - y).abs() < 1e-5);
             }
             Err(DistortError::OffSensor(point)) => prop_assert!(!still.contains(point)),
+            // The iterates of a point that is three half widths from the centre and farther may run
+            // to and fro between two edges. The nearest of two million was at 91 mm, 3.4 of them.
             Err(DistortError::NotConverged { .. }) => {
-                prop_assert!(x.abs().max(y.abs()) > 1e3 || !(x + y).is_finite());
+                let far_mm = 3.0 * calibration.sensor().half_width_mm();
+                prop_assert!(x.abs().max(y.abs()) > far_mm || !(x + y).is_finite());
             }
         }
     }

@@ -353,3 +353,22 @@ fn sources_that_leave_the_sensor_go_on_as_those_of_its_edge() {
         assert_eq!(off, 7);
     }
 }
+
+/// All of them in one place, since no image is as wide as that many spacings.
+#[test]
+fn row_of_as_many_vertices_as_can_be_counted_has_all_of_them() {
+    let mut lens = CalibrationParameters::new(100.0, [8000, 6000], 10.0);
+    lens.distortion.k1 = -1e-6;
+    let correction = FrameCorrection::without_motion(&Calibration::new(lens).unwrap());
+    let row = VertexRow {
+        first_col_px: 2000,
+        row_px: 3000,
+        spacing_px: 0,
+        count: u16::MAX,
+        origin_px: [0, 0],
+    };
+    let found = sources(&row, &SourceMesh::new(&correction, row.spacing_px));
+    // 20 mm to the left of the centre K1·r³ is 8 µm to the right.
+    let is_right = |one: &Displacement| (one.dx_mm - 0.008).abs() < 1e-4;
+    assert!(found.iter().all(is_right), "{:?}", found.last());
+}

@@ -31,7 +31,7 @@ const EXPOSURE: Exposure = Exposure {
 };
 
 /// Returns the file of a grid that covers the camera and its stroke.
-fn grid(carrier: GridCarrier, coefficient: impl Fn(u16, u16) -> [i16; 2]) -> Vec<u8> {
+pub(crate) fn grid(carrier: GridCarrier, coefficient: impl Fn(u16, u16) -> [i16; 2]) -> Vec<u8> {
     let header = GridHeader {
         carrier,
         columns: 33,
@@ -48,7 +48,7 @@ fn crc32(grid: &[u8]) -> u32 {
 }
 
 /// Returns the camera that states grids.
-fn stating(lens: Option<&[u8]>, sensor: Option<&[u8]>) -> CameraParameters {
+pub(crate) fn stating(lens: Option<&[u8]>, sensor: Option<&[u8]>) -> CameraParameters {
     CameraParameters {
         grids: GridChecksums {
             lens: lens.map(crc32),
@@ -68,7 +68,7 @@ fn with_memory() -> Pc {
 }
 
 /// Sends a grid in all its parts: the answer to the last, or the first refusal.
-fn send(pc: &mut Pc, grid: &[u8]) -> Answer {
+pub(crate) fn send(pc: &mut Pc, grid: &[u8]) -> Answer {
     let mut last = None;
     for request in grid_requests(grid).unwrap() {
         let answer = pc.ask(&request);

@@ -26,6 +26,9 @@ pub(crate) struct Flight {
     pub(crate) after_reset: AfterReset,
 }
 
+/// Longest time from the last round until the clock of the rig runs again, ms.
+pub(crate) const RESET_MS: u32 = 600;
+
 impl Flight {
     /// Returns a rig with a calibration.
     pub(crate) fn loaded() -> Self {
@@ -46,6 +49,12 @@ impl Flight {
     pub(crate) fn of_build(build: &str, cause: ResetCause, memory: &'static FlightMemory) -> Self {
         let identity = Identity::new(build, "test board", true, cause);
         let mut station = Station::new(identity, || STACK_USED);
+        station.bound_reset((cause != ResetCause::PowerOn).then_some(RESET_MS));
+        Self::of(station, memory)
+    }
+
+    /// Returns a rig whose camera has started again.
+    pub(crate) fn of(mut station: Station, memory: &'static FlightMemory) -> Self {
         let after_reset = station.keep_flight_in(memory);
         let mut pc = Pc::of(station);
         let Answer::Connected(identity) = pc.ask(&Request::Connect) else {

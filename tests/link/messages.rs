@@ -241,14 +241,14 @@ fn bytes_on_the_wire_are_those_of_the_description() {
         sequence: 3,
     };
     let request = packet(header, &Request::Connect);
-    // Version 10; session 0x0102, seven bits a byte; number 3; request 0. The zero at the end is
+    // Version 11; session 0x0102, seven bits a byte; number 3; request 0. The zero at the end is
     // COBS's second block.
-    let encoded = [5, 10, 0x82, 2, 3, 1];
+    let encoded = [5, 11, 0x82, 2, 3, 1];
     let checked = [&[0x86, 0x80], &encoded[..]].concat();
     let crc = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(&checked);
     let crc = [0, 7, 14, 21, 28].map(|shift| ((crc >> shift) & 127 | 128).to_le_bytes()[0]);
     assert_eq!(request.bytes(), [&[0], &checked[..], &crc, &[0]].concat());
-    assert_eq!(PROTOCOL_VERSION, 10);
+    assert_eq!(PROTOCOL_VERSION, 11);
     let latest = format!("|---|---|\n| {PROTOCOL_VERSION} |");
     assert!(include_str!("../../CHANGELOG.md").contains(&latest));
 }

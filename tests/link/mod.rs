@@ -32,10 +32,12 @@ mod repeats;
 mod resets;
 #[cfg(all(feature = "estimation", feature = "store"))]
 mod schema;
+mod short_streams;
 #[cfg(feature = "store")]
 mod stored;
 #[path = "../../fuzz/targets.rs"]
 mod targets;
 mod trial_bench;
 mod trial_faults;
+mod without_eyes;
 mod wrong_bits;

@@ -32,7 +32,7 @@ fn started<V: SignatureVerifier>(store: &mut CalibrationStore<FlashModel, V>) ->
 }
 
 /// Asks the camera to store what is in use.
-fn store(pc: &mut Pc, flash: &mut Store, version: u16) -> Answer {
+pub(crate) fn store(pc: &mut Pc, flash: &mut Store, version: u16) -> Answer {
     store_signed(pc, flash, &order(version))
 }
 

@@ -12,6 +12,7 @@
 pub(crate) mod calibrations;
 mod cuts;
 pub(crate) mod flash_model;
+mod fuzzed;
 pub(crate) mod grids;
 pub(crate) mod images;
 mod orders;
@@ -21,3 +22,4 @@ mod short_words;
 mod signatures;
 pub(crate) mod signed;
 mod succession;
+mod wrong_rings;

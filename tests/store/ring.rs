@@ -1,15 +1,14 @@
 //! The ring of records: wrap-around, cuts of the supply at every word, and flash that is worn.
 
 use fmc_camera::io::store::LayoutError;
+use fmc_camera::io::store::record_flash::RecordFlash;
 use fmc_camera::io::store::record_ring::{CONTENTS_BYTES, Erasing, RecordRing, RingState};
 
-use crate::store::flash_model::{BLANK, Cell, FlashOf, Operation, SECTOR, WORD};
+use crate::store::flash_model::{BLANK, Cell, Cut, FlashOf, Operation, SECTOR, WORD};
+use crate::store::wrong_rings::{ChecksAssumed, LastWordFirst, RingFlash, Small};
 
 /// Sectors of a ring.
 const SECTORS: u32 = 6;
-
-/// A flash whose sectors hold few entries, so that a short flight goes round.
-type Small = FlashOf<6, 4096>;
 
 /// The flash of a board.
 type Large = FlashOf<6, SECTOR>;
@@ -24,11 +23,7 @@ fn contents(number: u32) -> Vec<u8> {
 }
 
 /// Writes an entry. Returns `true` if it was written.
-fn write<const S: usize, const B: usize>(
-    ring: &mut RecordRing<FlashOf<S, B>>,
-    number: u32,
-    erasing: Erasing,
-) -> bool {
+fn write<F: RecordFlash>(ring: &mut RecordRing<F>, number: u32, erasing: Erasing) -> bool {
     if !ring.push(&contents(number)) {
         return false;
     }
@@ -42,25 +37,41 @@ fn write<const S: usize, const B: usize>(
 }
 
 /// Numbers of the entries, the newest first; each has its contents.
-fn entries<const S: usize, const B: usize>(ring: &mut RecordRing<FlashOf<S, B>>) -> Vec<u32> {
+fn entries<F: RecordFlash>(ring: &mut RecordRing<F>) -> Vec<u32> {
     let mut found = Vec::new();
     ring.newest_first(u32::MAX, |_, bytes| {
         let number = u32::from_le_bytes(bytes[..4].try_into().unwrap());
-        assert_eq!(bytes, contents(number), "entry {number}");
+        assert_eq!(
+            bytes,
+            contents(number),
+            "entry {number} has other contents than were written"
+        );
         found.push(number);
         true
     });
     found
 }
 
-fn open<const S: usize, const B: usize>(flash: FlashOf<S, B>) -> RecordRing<FlashOf<S, B>> {
+fn open<F: RecordFlash>(flash: F) -> RecordRing<F> {
     RecordRing::open(flash, 0, SECTORS).unwrap()
+}
+
+/// Returns the flash of a ring after its supply has come back.
+fn started<F: RingFlash>(ring: RecordRing<F>) -> F {
+    F::before(ring.into_flash().into_model().started())
+}
+
+/// Cuts an operation of the next steps of a ring.
+fn cut<F: RingFlash>(ring: &mut RecordRing<F>, index: usize, cut: Cut, seed: u64) {
+    let model = ring.flash_mut().model_mut();
+    model.operations.clear();
+    *model = model.clone().seeded(seed).cut_at(index, cut);
 }
 
 /// Starts twice with a flash whose supply has failed, and checks that the entries up to `last` are
 /// there without a gap, at least `least` of them; behind them there may be the one that was being
 /// written.
-fn start_twice(flash: &Small, last: u32, least: usize, unsure: &[u32]) -> RecordRing<Small> {
+fn start_twice<F: RingFlash>(flash: &F, last: u32, least: usize, unsure: &[u32]) -> RecordRing<F> {
     let mut ring = open(flash.clone());
     for _ in 0..2 {
         ring = open(ring.into_flash());
@@ -71,7 +82,8 @@ fn start_twice(flash: &Small, last: u32, least: usize, unsure: &[u32]) -> Record
         let expected: Vec<u32> = expected.take(found.len()).collect();
         assert_eq!(found, expected);
     }
-    assert!(ring.flash_mut().operations.is_empty(), "a start only reads");
+    let operations = &ring.flash_mut().model_mut().operations;
+    assert!(operations.is_empty(), "a start only reads");
     ring
 }
 
@@ -83,9 +95,9 @@ fn least_kept(count: u32) -> usize {
 
 /// Cuts the supply in every word of every `nth` of 300 entries, with all that can be left of it.
 /// Returns the numbers of cuts, of second cuts, and of erasures that were cut.
-fn cut_everywhere(nth: u32) -> [usize; 3] {
+fn cut_everywhere<F: RingFlash>(nth: u32) -> [usize; 3] {
     let (mut cuts, mut second_cuts, mut erasures) = (0, 0, 0);
-    let mut ring = open(Small::blank());
+    let mut ring = open(F::before(Small::blank()));
     for number in 0..300 {
         // Most of the time somebody waits for the erasure.
         let erasing = if number % 3 == 0 {
@@ -94,12 +106,12 @@ fn cut_everywhere(nth: u32) -> [usize; 3] {
             Erasing::Ahead
         };
         let before = RecordRing::clone(&ring);
-        ring.flash_mut().operations.clear();
+        ring.flash_mut().model_mut().operations.clear();
         assert!(write(&mut ring, number, erasing));
         while ring.state() == RingState::Erasing {
             ring.step(erasing);
         }
-        let operations = ring.flash_mut().operations.clone();
+        let operations = ring.flash_mut().model_mut().operations.clone();
         assert!(operations.len() >= 6);
         let erases = operations
             .iter()
@@ -109,11 +121,9 @@ fn cut_everywhere(nth: u32) -> [usize; 3] {
         }
         for (index, operation) in operations.into_iter().enumerate() {
             erasures += usize::from(matches!(operation, Operation::Erase(_)));
-            for (which, cut) in operation.cuts().into_iter().enumerate() {
+            for (which, way) in operation.cuts().into_iter().enumerate() {
                 let mut cut_ring = RecordRing::clone(&before);
-                let flash = cut_ring.flash_mut();
-                flash.operations.clear();
-                *flash = flash.clone().seeded(which as u64).cut_at(index, cut);
+                cut(&mut cut_ring, index, way, which as u64);
                 let is_written = write(&mut cut_ring, number, erasing);
                 for _ in 0..20 {
                     cut_ring.step(erasing);
@@ -122,7 +132,7 @@ fn cut_everywhere(nth: u32) -> [usize; 3] {
                 // The last word may be whole though its write was cut.
                 let last = if is_written { number + 1 } else { number };
                 let unsure: &[u32] = if is_written { &[] } else { &[number] };
-                let flash = cut_ring.into_flash().started();
+                let flash = started(cut_ring);
                 let Some(last) = last.checked_sub(1) else {
                     continue;
                 };
@@ -135,8 +145,8 @@ fn cut_everywhere(nth: u32) -> [usize; 3] {
                 for next in 2000..2003 {
                     assert!(write(&mut again, next, Erasing::AtNeed));
                 }
-                assert_eq!(again.flash_mut().written_again, 0);
-                let found = entries(&mut open(again.into_flash().started()));
+                check_written_once(&mut again);
+                let found = entries(&mut open(started(again)));
                 assert_eq!(found[..3], [2002, 2001, 2000]);
                 let rest = found[3..].iter().filter(|old| !unsure.contains(old));
                 let rest: Vec<u32> = rest.copied().collect();
@@ -150,7 +160,7 @@ fn cut_everywhere(nth: u32) -> [usize; 3] {
 
 #[test]
 fn supply_that_fails_twice_loses_no_entry_but_the_one_that_is_written() {
-    let [cuts, second_cuts, erasures] = cut_everywhere(41);
+    let [cuts, second_cuts, erasures] = cut_everywhere::<Small>(41);
     assert!(
         cuts > 2000 && second_cuts > 5000 && erasures > 0,
         "{cuts} {second_cuts} {erasures}"
@@ -160,33 +170,50 @@ fn supply_that_fails_twice_loses_no_entry_but_the_one_that_is_written() {
 #[test]
 #[ignore = "minutes; docs/store.md has the command"]
 fn supply_that_fails_twice_at_any_word_loses_no_entry_but_the_one_that_is_written() {
-    let [cuts, second_cuts, erasures] = cut_everywhere(1);
+    let [cuts, second_cuts, erasures] = cut_everywhere::<Small>(1);
     println!("{cuts} cuts, {second_cuts} second cuts, {erasures} erasures that were cut");
     assert!(cuts > 50_000 && second_cuts > 200_000 && erasures > 10);
 }
 
 /// Cuts the next entry at every word, starts twice, and writes another with a good supply.
-fn cut_again(ring: &RecordRing<Small>, last: u32, unsure: &[u32]) -> usize {
+fn cut_again<F: RingFlash>(ring: &RecordRing<F>, last: u32, unsure: &[u32]) -> usize {
     let mut whole = RecordRing::clone(ring);
     assert!(write(&mut whole, 1000, Erasing::AtNeed));
-    let operations = whole.flash_mut().operations.clone();
+    let operations = whole.flash_mut().model_mut().operations.clone();
     let mut cuts = 0;
     for (index, operation) in operations.into_iter().enumerate() {
-        for cut in operation.cuts().into_iter().step_by(5) {
+        for way in operation.cuts().into_iter().step_by(5) {
             let mut cut_ring = RecordRing::clone(ring);
-            let flash = cut_ring.flash_mut();
-            *flash = flash.clone().cut_at(index, cut);
+            cut(&mut cut_ring, index, way, 0);
             assert!(!write(&mut cut_ring, 1000, Erasing::AtNeed));
             cuts += 1;
-            let flash = cut_ring.into_flash().started();
+            let flash = started(cut_ring);
             let mut again = start_twice(&flash, last, least_kept(last), unsure);
             assert!(write(&mut again, 1001, Erasing::AtNeed));
-            assert_eq!(again.flash_mut().written_again, 0);
-            let found = entries(&mut open(again.into_flash().started()));
+            check_written_once(&mut again);
+            let found = entries(&mut open(started(again)));
             assert_eq!(found[0], 1001);
         }
     }
     cuts
+}
+
+/// Checks that no word was written again that did not read as blank.
+fn check_written_once<F: RingFlash>(ring: &mut RecordRing<F>) {
+    let written_again = ring.flash_mut().model_mut().written_again;
+    assert_eq!(written_again, 0, "words that were written a second time");
+}
+
+#[test]
+#[should_panic(expected = "words that were written a second time")]
+fn ring_that_writes_the_last_word_of_an_entry_first_is_caught() {
+    cut_everywhere::<LastWordFirst>(41);
+}
+
+#[test]
+#[should_panic(expected = "other contents than were written")]
+fn ring_that_takes_an_entry_without_its_checksum_is_caught() {
+    cut_everywhere::<ChecksAssumed>(41);
 }
 
 #[test]

@@ -11,7 +11,7 @@ use crate::{
     equipment::{Equipment, Need},
     exchange,
     firmware::{self, Image},
-    kernel, no_panic, rounding, schedule, site, supply, verify, web, wheel,
+    kernel, no_panic, overflow, rounding, schedule, site, supply, verify, web, wheel,
     workspace::Workspace,
 };
 
@@ -66,6 +66,9 @@ pub(crate) enum Step {
     /// Link the library's public functions so that a reachable panic is an error, and show that the
     /// check finds one
     NoPanic,
+    /// Compare the places where arithmetic can overflow, as far as the compiler can tell, with the
+    /// bounds in docs/overflow.csv, and show that a place without one is found
+    Overflow,
     /// Lint the firmware with drills: faults that a test triggers
     FirmwareLints,
     /// Link the firmware so that a reachable panic is an error, and show that the check finds one
@@ -122,6 +125,7 @@ impl Step {
             }
             Self::TargetBuild
             | Self::NoPanic
+            | Self::Overflow
             | Self::FirmwareNoPanic
             | Self::BoardFlight
             | Self::Skips => &[Need::Compiler],
@@ -222,6 +226,7 @@ fn run_step(step: Step, workspace: &Workspace, equipment: &Equipment<'_>) -> Res
             target()?.cargo("build --release -p fmc-camera --lib")
         }
         Step::NoPanic => return no_panic::check(workspace, target()?),
+        Step::Overflow => return overflow::check(workspace, target()?),
         Step::FirmwareLints => return firmware::lint(target()?, Image::Mps2WithDrills),
         Step::FirmwareNoPanic => return firmware::check_no_panic(target()?),
         Step::Firmware => {

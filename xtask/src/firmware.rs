@@ -133,6 +133,17 @@ pub(crate) fn link_with_relocations(target: &Target<'_>, image: Image) -> Result
     Ok(target.programs().join("firmware"))
 }
 
+/// Links an image as if its board had more flash, and returns the path where cargo put it.
+///
+/// # Errors
+/// An error if the build fails.
+pub(crate) fn link_in_whole_flash(target: &Target<'_>, image: Image) -> Result<PathBuf> {
+    let link = rustc(target, image, &["-Clink-arg=--defsym=_whole_flash=1"]);
+    eprintln!("$ {link}");
+    link.run()?;
+    Ok(target.programs().join("firmware"))
+}
+
 /// Shows that the linker finds no panic in the flight image.
 ///
 /// # Errors

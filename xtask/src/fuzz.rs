@@ -12,6 +12,9 @@ use xshell::Cmd;
 
 use crate::{CHECK_FAILED, NOT_STARTED, crate_program::CrateProgram, workspace::Workspace};
 
+#[path = "../../fuzz/corpus.rs"]
+mod corpus;
+
 const CARGO_FUZZ: CrateProgram = CrateProgram {
     name: "cargo-fuzz",
     version: "0.13.2",
@@ -44,7 +47,8 @@ impl Fuzzing {
     /// Runs targets, all if none is named.
     ///
     /// # Errors
-    /// An error for a name that is not a target, or if folders cannot be read or written.
+    /// An error for a name that is not a target, for a damaged corpus, or if folders
+    /// cannot be read or written.
     pub(crate) fn run(&self, workspace: &Workspace, named: &[String]) -> Result<ExitCode> {
         let fuzz = workspace.root.join("fuzz");
         let all = targets(&fuzz)?;
@@ -52,6 +56,7 @@ impl Fuzzing {
             let all: Vec<_> = all.into_iter().collect();
             bail!("{unknown} is not a target; there are {}", all.join(", "));
         }
+        check_corpora(&fuzz, &all)?;
         let program = match CARGO_FUZZ.find(workspace) {
             Ok(program) => program,
             Err(error) => {
@@ -117,6 +122,23 @@ impl Fuzzing {
     }
 }
 
+/// Reads the corpora of the targets; returns the number of their inputs.
+///
+/// # Errors
+/// An error that names a folder or a file that cannot be read, or is empty.
+fn check_corpora(fuzz: &Path, targets: &BTreeSet<String>) -> Result<usize> {
+    let mut inputs = 0;
+    for name in targets {
+        let folder = fuzz.join("corpus").join(name);
+        // Files that people have written are read instead of a corpus, until one is kept.
+        if ALSO_INPUT.iter().any(|(also, _)| also == name) && !folder.exists() {
+            continue;
+        }
+        inputs += corpus::read(&folder).map_err(anyhow::Error::msg)?.len();
+    }
+    Ok(inputs)
+}
+
 /// Folders of a target.
 #[derive(Debug)]
 struct Place<'a> {
@@ -176,6 +198,43 @@ mod tests {
     use std::path::Path;
 
     use super::*;
+
+    #[test]
+    fn damaged_corpus_is_named() {
+        let fuzz = Path::new(env!("CARGO_MANIFEST_DIR")).join("../fuzz");
+        let targets = targets(&fuzz).unwrap();
+        assert!(check_corpora(&fuzz, &targets).unwrap() > 250);
+
+        let root = std::env::temp_dir().join(format!("damaged-corpus-{}", std::process::id()));
+        let corpus = root.join("corpus/wire");
+        let wire = BTreeSet::from(["wire".to_owned()]);
+        let error = || check_corpora(&root, &wire).unwrap_err().to_string();
+        let missing = error();
+        fs::create_dir_all(&corpus).unwrap();
+        let without_input = error();
+        fs::write(corpus.join("whole"), [1]).unwrap();
+        assert_eq!(check_corpora(&root, &wire).unwrap(), 1);
+        fs::write(corpus.join("cut-off"), []).unwrap();
+        let empty = error();
+        fs::write(corpus.join("cut-off"), vec![0; 70_000]).unwrap();
+        let long = error();
+        fs::remove_file(corpus.join("cut-off")).unwrap();
+        fs::create_dir(corpus.join("a-folder")).unwrap();
+        let no_file = error();
+        fs::remove_dir_all(&root).unwrap();
+        for (error, names) in [
+            (&missing, "wire: "),
+            (&without_input, "wire: no input"),
+            (&empty, "cut-off: empty"),
+            (&long, "cut-off: longer than 64 KiB"),
+            (&no_file, "a-folder: not a file"),
+        ] {
+            assert!(
+                error.starts_with("corpus ") && error.contains(names),
+                "{error}"
+            );
+        }
+    }
 
     #[test]
     fn folders_of_input_are_those_of_targets_and_have_files() {

@@ -24,6 +24,7 @@ mod machine;
 mod missing;
 mod no_panic;
 mod other_target;
+mod overflow;
 mod python;
 mod rounding;
 mod route;

@@ -44,6 +44,7 @@ const LANES: [&[Step]; 2] = [
         Step::TargetLints,
         Step::TargetBuild,
         Step::NoPanic,
+        Step::Overflow,
         Step::FirmwareLints,
         Step::FirmwareNoPanic,
         Step::Board,

@@ -68,7 +68,7 @@ impl<'a> Targets<'a> {
 }
 
 /// Commands that build for one target.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Target<'a> {
     shell: &'a Shell,
     architecture: Architecture,
@@ -80,10 +80,12 @@ pub(crate) struct Target<'a> {
     /// Directory separate from the host's: compilers of host and target may differ, and would
     /// discard each other's artifacts.
     artifacts: PathBuf,
+    /// `true` if every operation is checked for overflow.
+    checks_overflow: bool,
 }
 
 /// Programs of a route.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct Programs {
     rustc: PathBuf,
     cargo: PathBuf,
@@ -198,7 +200,23 @@ impl<'a> Target<'a> {
             linker: machine.linker.filter(|_| route != Route::Active),
             no_clippy: None,
             artifacts: workspace.target_dir.join("thumb"),
+            checks_overflow: false,
         }
+    }
+
+    /// Returns commands that build with checks of every operation for overflow, in a directory of
+    /// their own. Failed checks stay apart, each with its place.
+    pub(crate) fn checking_overflow(&self) -> Self {
+        Self {
+            artifacts: self.artifacts.with_extension("overflow"),
+            checks_overflow: true,
+            ..self.clone()
+        }
+    }
+
+    /// Returns true if the core library is built with the program.
+    pub(crate) fn builds_core(&self) -> bool {
+        self.route != Route::Active
     }
 
     /// Returns the reason for having no lints for the target, if there are none.
@@ -253,6 +271,11 @@ impl<'a> Target<'a> {
     /// Returns cargo's settings that compile for the processor, except for the core library that is
     /// built with it.
     fn settings(&self) -> Vec<String> {
+        if self.checks_overflow {
+            return ["--config", "profile.release.overflow-checks=true"]
+                .map(str::to_owned)
+                .into();
+        }
         let processor = self.architecture.processor();
         let Some(processor) = processor.filter(|_| self.route != Route::Active) else {
             return vec![];
@@ -298,6 +321,11 @@ impl<'a> Target<'a> {
                 // `settings` needs this variable.
                 command.env("CARGO_UNSTABLE_PROFILE_RUSTFLAGS", "true")
             };
+        }
+        if self.checks_overflow {
+            // Otherwise calls with different places become one.
+            let flags = self.architecture.variable("RUSTFLAGS");
+            command = command.env(flags, "-Cllvm-args=-enable-tail-merge=0");
         }
         if distribution {
             command = command

@@ -13,7 +13,7 @@ use fmc_camera::flight::in_doubt::InDoubt;
 use fmc_camera::io::instruments::counters::{
     AutopilotCounters, InstrumentCounters, ReceiverCounters,
 };
-use fmc_camera::io::link::after_reset::{AfterReset, FlightAfterReset};
+use fmc_camera::io::link::after_reset::{AfterReset, FlightAfterReset, WithoutEyes};
 use fmc_camera::io::link::message::Status;
 use fmc_camera::io::link::records_in_flash::RecordsInFlash;
 use serde::Serialize;
@@ -131,11 +131,33 @@ fn start_line(start: &AfterReset) -> String {
         "{} records, {} of frames that it ended, {} damaged",
         start.records, start.unfinished, start.damaged
     );
-    let parts: Vec<_> = [Some(number), last_round, Some(records)]
+    let without_eyes = without_eyes(start.without_eyes);
+    let parts: Vec<_> = [Some(number), last_round, Some(records), without_eyes]
         .into_iter()
         .flatten()
         .collect();
     parts.join("; ")
+}
+
+/// Describes the time in which triggers have left no record; `None` if there was none.
+#[must_use]
+pub fn without_eyes(time: WithoutEyes) -> Option<String> {
+    Some(match time {
+        WithoutEyes::NoFlight => return None,
+        WithoutEyes::Unknown => {
+            "triggers left no record for a time that the camera cannot tell".to_owned()
+        }
+        WithoutEyes::GoesOn { before_clock_ms } => format!(
+            "triggers leave no record: for at most {before_clock_ms} ms until its clock ran, and since then, until the first round"
+        ),
+        WithoutEyes::AtMost {
+            before_clock_ms,
+            start_up_ms,
+        } => format!(
+            "triggers left no record for at most {} ms: {before_clock_ms} ms until its clock ran, {start_up_ms} ms until the first round",
+            u64::from(before_clock_ms) + u64::from(start_up_ms)
+        ),
+    })
 }
 
 /// Describes the drift of the clock.

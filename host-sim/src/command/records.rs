@@ -7,11 +7,11 @@ use std::fmt::Display;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-use fmc_camera::flight::frame_record::FrameRecord;
-use fmc_camera::flight::in_doubt::InDoubt;
+use fmc_camera::flight::frame_record::{FrameRecord, Outcome};
+use fmc_camera::io::link::after_reset::FlightAfterReset;
 use fmc_camera::io::link::message::Status;
 use fmc_frames::record_files::{CSV, JSON};
-use fmc_report::records;
+use fmc_report::{camera_status, records};
 
 use super::earlier_records::EarlierRecords;
 use crate::cli::RecordsArgs;
@@ -70,7 +70,7 @@ pub(super) fn run(args: &RecordsArgs) -> Result<(), Failure> {
     if let Some(last) = last {
         device.are_safe(last)?;
     }
-    report(&recorded, in_doubt.as_ref(), &earlier, &marked)
+    report(&recorded, &status, &earlier, &marked)
 }
 
 /// Returns `true` if the camera has been prepared for another flight since.
@@ -103,12 +103,12 @@ fn write_marked(sink: &mut dyn Write, marked: &[(PathBuf, usize)]) -> io::Result
 /// Prints what has been fetched, and what has been marked in folders of earlier records.
 fn report(
     recorded: &[FrameRecord],
-    in_doubt: Option<&InDoubt>,
+    status: &Status,
     earlier: &EarlierRecords,
     marked: &[(PathBuf, usize)],
 ) -> Result<(), Failure> {
-    if let Some(exposures) = in_doubt
-        && let Some((from, through)) = earlier.missing(exposures, recorded.first())
+    if let Some(exposures) = status.in_doubt
+        && let Some((from, through)) = earlier.missing(&exposures, recorded.first())
     {
         note(format!(
             "records {from} to {through} were fetched earlier, and the encoder was {:.2} µm off in them, as the index mark has shown since: name their folder with --earlier, and they are marked",
@@ -128,5 +128,27 @@ fn report(
             )?,
         }
         write_marked(sink, marked)
+    })?;
+    let start = &status.after_reset;
+    if let Some(time) = camera_status::without_eyes(start.without_eyes) {
+        note(format_args!("note: start {}: {time}", start.boot));
+    }
+    if start.outcome == FlightAfterReset::FromFlash
+        && let Some((sequence, unix_us)) = last_utc(recorded)
+    {
+        note(format_args!(
+            "note: it began after centroid_unix_us {unix_us}, that of record {sequence}, and ended before that of the first record of the next flight"
+        ));
+    }
+    Ok(())
+}
+
+/// Number and UTC of the last exposure that has it, µs since 1970.
+fn last_utc(recorded: &[FrameRecord]) -> Option<(u32, u64)> {
+    recorded.iter().rev().find_map(|record| {
+        let Outcome::Exposed(frame) = &record.outcome else {
+            return None;
+        };
+        frame.centroid_utc.map(|utc| (record.sequence, utc.unix_us))
     })
 }

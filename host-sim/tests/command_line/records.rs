@@ -4,6 +4,7 @@ use std::fs;
 use std::sync::atomic::{AtomicU32, Ordering};
 
 use fmc_camera::flight::in_doubt::InDoubt;
+use fmc_camera::io::link::after_reset::{FlightAfterReset, WithoutEyes};
 use fmc_camera::io::link::message::Answer;
 
 use crate::command_line::fake_camera::FakeCamera;
@@ -99,6 +100,48 @@ fn records_are_not_taken_for_those_of_a_flight_that_is_prepared_meanwhile() {
             .failed(3, &["another flight", "fetch them again"]);
         assert!(!bench.path("kept").exists());
     }
+}
+
+#[test]
+fn time_without_eyes_is_told_with_the_start_and_beside_the_records() {
+    let told = |change: fn(&mut Answer)| {
+        let bench = Bench::new();
+        let mut camera = FakeCamera::new();
+        camera.change = change;
+        let port = Port::with_camera(camera);
+        let device = fly(&bench, &port);
+        let status = bench.run(&["camera", "--device", &device, "status"]).ok();
+        let fetched = bench.run(&["records", "--device", &device, "--out", "kept"]);
+        (status.stdout, fetched.ok().stderr)
+    };
+    let (status, beside) = told(|_| {});
+    assert!(!status.contains("no record"), "{status}");
+    assert_eq!(beside, "");
+    let (status, beside) = told(|answer| {
+        if let Answer::Status(status) = answer {
+            status.after_reset.outcome = FlightAfterReset::FliesOn;
+            status.after_reset.without_eyes = WithoutEyes::AtMost {
+                before_clock_ms: 566,
+                start_up_ms: 21,
+            };
+        }
+    });
+    let line = "triggers left no record for at most 587 ms: 566 ms until its clock ran, 21 ms until the first round";
+    assert!(status.contains(line), "{status}");
+    assert_eq!(beside, format!("note: start 1: {line}\n"));
+    let (status, beside) = told(|answer| {
+        if let Answer::Status(status) = answer {
+            status.after_reset.outcome = FlightAfterReset::FromFlash;
+            status.after_reset.without_eyes = WithoutEyes::Unknown;
+        }
+    });
+    let line = "triggers left no record for a time that the camera cannot tell";
+    assert!(
+        status.contains(line) && beside.contains(line),
+        "{status}{beside}"
+    );
+    // UTC of the last record bounds it.
+    assert!(beside.contains("it began after centroid_unix_us 1") && beside.contains("record 4"));
 }
 
 #[test]

@@ -14,7 +14,9 @@ use fmc_camera::flight::rig::{RigAnswer, RigStep};
 use fmc_camera::flight::settings::FlightSettings;
 use fmc_camera::flight::time::Time;
 use fmc_camera::flight::vh::VhSample;
-use fmc_camera::io::link::after_reset::{AfterReset, FlightAfterReset, RESETS_IN_A_ROW};
+use fmc_camera::io::link::after_reset::{
+    AfterReset, FlightAfterReset, RESETS_IN_A_ROW, WithoutEyes,
+};
 use fmc_camera::io::link::message::{Ending, ResetCause};
 use fmc_camera::{CalibrationParameters, CameraParameters};
 use fmc_simulation::mechanics::{Mechanics, MechanicsSettings};
@@ -320,6 +322,7 @@ fn machine_that_is_killed_in_flight_has_all_its_records_but_that_of_the_frame_in
             assert_eq!((found.boot, found.flight, found.records), (boot, 1, 4));
             assert_eq!((found.unfinished, found.damaged), (0, 0));
             assert_eq!(found.last_round, Some(last.trigger));
+            assert_eq!(found.without_eyes, WithoutEyes::Unknown);
             let records = records_of(&mut device);
             assert!(records[..3] == before[2..], "{records:#?}");
             assert!(records[3..] == [last], "{records:#?}");

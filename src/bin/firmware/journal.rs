@@ -2,7 +2,7 @@
 
 #[cfg(feature = "board-nucleo-h743zi")]
 use fmc_camera::flight::{fault::Fault, in_doubt::InDoubt};
-use fmc_camera::io::link::after_reset::{AfterReset, FlightAfterReset};
+use fmc_camera::io::link::after_reset::{AfterReset, FlightAfterReset, WithoutEyes};
 use fmc_camera::io::link::message::ResetCause;
 use fmc_camera::io::link::station::LinkEvent;
 #[cfg(feature = "store")]
@@ -50,6 +50,19 @@ pub(crate) fn note_flight(found: &AfterReset) {
             found.unfinished,
             found.damaged
         );
+    }
+    match found.without_eyes {
+        WithoutEyes::NoFlight => {}
+        WithoutEyes::GoesOn { before_clock_ms }
+        | WithoutEyes::AtMost {
+            before_clock_ms, ..
+        } => {
+            defmt::warn!(
+                "without eyes: {=u32} ms at most until the clock ran, and since then until the first round",
+                before_clock_ms
+            );
+        }
+        WithoutEyes::Unknown => defmt::warn!("without eyes: nobody knows how long"),
     }
 }
 

@@ -19,7 +19,10 @@ mod board;
 mod journal;
 
 #[cfg(all(board, feature = "store"))]
-use fmc_camera::io::store::record_ring::RingState;
+use fmc_camera::io::store::{
+    record_flash::RecordFlash,
+    record_ring::{RecordRing, RingState},
+};
 #[cfg(board)]
 use {
     board::{Board, Deck},
@@ -28,12 +31,16 @@ use {
         message::{Identity, ResetCause},
         station::{LinkEvent, Station},
     },
-    static_cell::ConstStaticCell,
+    static_cell::{ConstStaticCell, StaticCell},
 };
 
 /// Memory for the residual grids of the camera.
 #[cfg(board)]
 static GRIDS: ConstStaticCell<GridMemory> = ConstStaticCell::new(GridMemory::EMPTY);
+
+/// The camera's end of the link, with the deck and the flight: off the stack, which requests share.
+#[cfg(board)]
+static STATION: StaticCell<Station<Deck>> = StaticCell::new();
 
 /// State of the sources from which this image was built: `build.rs` names it where nobody else has.
 #[cfg(board)]
@@ -47,20 +54,40 @@ fn main() {
     println!("This is the camera's firmware; `cargo xtask firmware` builds it for the target.");
 }
 
-/// Returns the camera's end of the link, in a frame of its own: that of the main loop would hold
-/// the deck twice, on its way and in its place.
+/// Returns the camera's end of the link, in its place; `None` the second time. Whatever of it is on
+/// the stack on its way is free when this returns.
 #[cfg(board)]
 #[inline(never)]
-fn station(start: ResetCause) -> Station<Deck> {
+fn station(start: ResetCause) -> Option<&'static mut Station<Deck>> {
     let identity = Identity::new(BUILD, Board::NAME, Board::CAN_POWER_OFF, start);
-    Station::with(identity, Board::stack_used_bytes, Board::deck(start))
+    STATION.try_init_with(|| Station::with(identity, Board::stack_used_bytes, Board::deck(start)))
+}
+
+/// Takes up the flight before the start, after a reset of at most so many milliseconds, and logs
+/// what it has found: in a frame of its own, which the main loop does without.
+#[cfg(board)]
+#[inline(never)]
+fn take_up(
+    station: &mut Station<Deck>,
+    start: ResetCause,
+    reset_at_most_ms: Option<u32>,
+    #[cfg(feature = "store")] ring: Option<&mut RecordRing<impl RecordFlash>>,
+) {
+    station.bound_reset(reset_at_most_ms);
+    let found = station.keep_flight_in(Board::flight_memory(start));
+    #[cfg(feature = "store")]
+    let found = ring.map_or(found, |ring| station.keep_records_in(ring));
+    journal::note_flight(&found);
 }
 
 /// Runs the main loop, once the board has started.
 #[cfg(board)]
 fn run(mut board: Board, start: ResetCause) -> ! {
     journal::note_start(Board::NAME, BUILD, start);
-    let mut station = station(start);
+    let Some(station) = station(start) else {
+        // There is one main loop.
+        board.reset();
+    };
     if let Some(memory) = GRIDS.try_take() {
         station.keep_grids_in(memory);
     }
@@ -70,14 +97,15 @@ fn run(mut board: Board, start: ResetCause) -> ! {
     if let Some(store) = &mut store {
         journal::note_stored(station.load_stored(store));
     }
-    let found = station.keep_flight_in(Board::flight_memory(start));
     #[cfg(feature = "store")]
     let mut ring = board.records();
-    #[cfg(feature = "store")]
-    let found = ring
-        .as_mut()
-        .map_or(found, |ring| station.keep_records_in(ring));
-    journal::note_flight(&found);
+    take_up(
+        station,
+        start,
+        board.reset_at_most_ms(start),
+        #[cfg(feature = "store")]
+        ring.as_mut(),
+    );
     let mut ending = None;
     loop {
         board.feed_watchdog();

@@ -24,6 +24,8 @@ pub(crate) struct FlightState {
     /// Numbers of triggers, of records with an exposure, of records without, and of edges of the
     /// shutter that the camera had not commanded.
     counts: [u32; 4],
+    /// Number of events for which there was no place.
+    lost_events: u32,
     pub(crate) records: Extent,
     /// Exposures in doubt, with those that a crossing of the index mark is still to confirm: none
     /// will come before somebody may have moved the stage.
@@ -41,6 +43,7 @@ impl FlightState {
             exposure_bits: 0,
             focus_shift_bits: 0,
             counts: [triggers, exposed, triggers.saturating_sub(exposed), 0],
+            lost_events: 0,
             records,
             in_doubt,
         }
@@ -95,6 +98,7 @@ impl Controller {
             exposure_bits: self.exposure_s.to_bits(),
             focus_shift_bits: self.focus_shift_um.to_bits(),
             counts: self.frame.kept.counts(),
+            lost_events: self.readiness.lost_events(),
             records: self.frame.kept.records().extent(),
             in_doubt,
         }
@@ -132,6 +136,7 @@ impl Controller {
         self.exposure_s = f32::from_bits(state.exposure_bits);
         self.focus_shift_um = f32::from_bits(state.focus_shift_bits);
         self.frame.kept.resume(state.counts, &state.records);
+        self.readiness.lose(state.lost_events);
         let next = state.records.last_sequence.saturating_add(1);
         self.stage.index.begin_at(next);
     }
@@ -215,5 +220,15 @@ mod tests {
         again.take_over(&before.flight_state(), before.earlier_calibrations());
         again.doubt_again(in_doubt);
         assert_eq!(again.in_doubt(), Some(in_doubt));
+    }
+
+    #[test]
+    fn events_that_were_lost_before_the_reset_are_counted_after_it() {
+        let mut before = Controller::new();
+        before.readiness.lose(7);
+        let mut again = Controller::new();
+        again.take_over(&before.flight_state(), before.earlier_calibrations());
+        again.readiness.lose(2);
+        assert_eq!(again.counts().lost_events, 9);
     }
 }

@@ -27,6 +27,7 @@ pub(in crate::flight) struct Preparation {
 
 impl Preparation {
     /// Returns the preparation of a camera with settings that are [`checked`].
+    #[inline(never)]
     pub(in crate::flight) fn new(camera: &Camera, settings: &FlightSettings) -> Self {
         Self {
             smear: SmearPrediction::new(camera.calibration(), settings.direction),
@@ -174,7 +175,10 @@ impl Setup<'_> {
     }
 }
 
-/// Returns the settings, if the camera can be flown with them.
+/// Returns the settings, if the camera can be flown with them. It is not inlined, as the
+/// preparation is not, so that a flight that is made in its place has their variables on the stack
+/// one after the other.
+#[inline(never)]
 pub(in crate::flight) fn checked(
     camera: &Camera,
     settings: &FlightSettings,

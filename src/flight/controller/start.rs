@@ -51,6 +51,7 @@ impl Controller {
     /// Begins a flight, in standby. After a bite of the watchdog it begins with that fault. The
     /// state of an earlier flight is overwritten in place: a controller is large, and a copy would
     /// take as much of the stack.
+    #[inline(never)]
     pub(in crate::flight) fn restart(&mut self, setup: &Setup, start: Start) {
         let (mode, faults) = match start {
             Start::Orderly | Start::Unreferenced => (Mode::Standby, Faults::NONE),
@@ -70,19 +71,8 @@ impl Controller {
             calibrations,
             flight: _,
         } = self;
-        let settings = setup.settings;
-        *aircraft = Aircraft::new(
-            settings.vh,
-            settings.time_pulse_sigma_s,
-            settings.rate_sigma_deg_s,
-            setup.camera.limits().vh_per_s,
-        );
-        // The encoder's count is lost with the processor. A camera without a stage keeps that for
-        // the next one, whose stage may be on the same encoder.
-        *stage = StageMachine::new(start != Start::Orderly);
-        if setup.camera.has_stage() && settings.drive.is_absolute() {
-            stage.show_place(start == Start::FliesOn);
-        }
+        restart_aircraft(aircraft, setup);
+        restart_stage(stage, setup, start);
         frame.restart(faults);
         *readiness = Readiness::new(mode);
         if start == Start::FliesOn {
@@ -102,5 +92,28 @@ impl Controller {
             _ if self.stage.is_place_lost() => Start::Unreferenced,
             _ => Start::Orderly,
         }
+    }
+}
+
+/// Forgets the instruments. As with the stage, what takes its place is on the stack no longer than
+/// this.
+#[inline(never)]
+fn restart_aircraft(aircraft: &mut Aircraft, setup: &Setup) {
+    let settings = setup.settings;
+    *aircraft = Aircraft::new(
+        settings.vh,
+        settings.time_pulse_sigma_s,
+        settings.rate_sigma_deg_s,
+        setup.camera.limits().vh_per_s,
+    );
+}
+
+/// Forgets the stage. The encoder's count is lost with the processor. A camera without a stage
+/// keeps that for the next one, whose stage may be on the same encoder.
+#[inline(never)]
+fn restart_stage(stage: &mut StageMachine, setup: &Setup, start: Start) {
+    *stage = StageMachine::new(start != Start::Orderly);
+    if setup.camera.has_stage() && setup.settings.drive.is_absolute() {
+        stage.show_place(start == Start::FliesOn);
     }
 }

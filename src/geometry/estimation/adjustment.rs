@@ -203,7 +203,7 @@ impl<T: Number> Adjustment<T> {
         let inverse = factor.inverse(size);
         let squares = factor.at(size, size) * factor.at(size, size);
         let unknowns = design.unknowns();
-        let redundancy = (2 * self.points).saturating_sub(unknowns);
+        let redundancy = self.points.saturating_mul(2).saturating_sub(unknowns);
         let sigma0 = (squares / T::of_count(redundancy)).sqrt();
         let sigma0_as_printed = (self.points > unknowns)
             .then(|| (squares / T::of_count(self.points - unknowns)).sqrt());

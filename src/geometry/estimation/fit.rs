@@ -66,7 +66,7 @@ impl<T: Number> Fit<T> {
     /// Degrees of freedom, 2n - u.
     #[must_use]
     pub const fn redundancy(&self) -> u32 {
-        (2 * self.points).saturating_sub(self.unknowns)
+        self.points.saturating_mul(2).saturating_sub(self.unknowns)
     }
 
     /// Returns the five coefficients as the correction takes them.

@@ -197,7 +197,9 @@ impl GridHeader {
     /// Bytes of the file.
     #[must_use]
     pub fn file_bytes(&self) -> usize {
-        let nodes = usize::from(self.columns) * usize::from(self.rows);
-        HEADER_BYTES + NODE_BYTES * nodes + CRC_BYTES
+        let nodes = usize::from(self.columns).saturating_mul(self.rows.into());
+        nodes
+            .saturating_mul(NODE_BYTES)
+            .saturating_add(HEADER_BYTES + CRC_BYTES)
     }
 }

@@ -16,7 +16,8 @@ impl VertexRow {
         mut source: impl FnMut(SensorPoint) -> Result<Displacement, DistortError>,
         (first, words): (u16, &mut [S::Word]),
     ) -> Result<(), MeshError> {
-        for (index, word) in (first..).zip(words) {
+        // In this order no number is taken behind that of the last vertex.
+        for (word, index) in words.iter_mut().zip(first..) {
             let place = self.place(sensor, index)?;
             let d = source(ideal(sensor, place)).map_err(|error| {
                 let [col_px, row_px] = place;

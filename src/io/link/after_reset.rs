@@ -27,6 +27,8 @@ pub struct AfterReset {
     pub unfinished: u32,
     /// Triggers among them whose record was damaged.
     pub damaged: u32,
+    /// Time in which triggers have left no record.
+    pub without_eyes: WithoutEyes,
 }
 
 impl AfterReset {
@@ -39,7 +41,73 @@ impl AfterReset {
         records: 0,
         unfinished: 0,
         damaged: 0,
+        without_eyes: WithoutEyes::NoFlight,
     };
+}
+
+/// Time without eyes: from the last round before a reset to the first after it. Triggers in it
+/// leave no record.
+///
+/// It is an upper bound, of two parts. The camera's clock does not run over a reset, so the first
+/// part is the longest that the board can take
+/// ([`Station::bound_reset`](super::station::Station::bound_reset)); the clock measures the second.
+/// Edges that a capture input stamps in the second part have records, or are counted as lost.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum WithoutEyes {
+    /// The start has found no flight.
+    NoFlight,
+    /// There was a flight, and the camera cannot tell for how long it was without eyes: after a
+    /// loss of the supply, where memory was of no use, after a start in which no round has come,
+    /// while a calibration was being stored, and where the board has no bound.
+    Unknown,
+    /// No round has come since the start.
+    GoesOn {
+        /// Longest time from the last round until the clock ran again, ms: until the reset, of a
+        /// watchdog its period, and from there until the clock.
+        before_clock_ms: u32,
+    },
+    /// It has ended.
+    AtMost {
+        /// As in [`Self::GoesOn`], ms.
+        before_clock_ms: u32,
+        /// Time from the start of the clock until the first round, ms, rounded up.
+        start_up_ms: u32,
+    },
+}
+
+impl WithoutEyes {
+    /// The longest it can have lasted, ms; `None` while it goes on, and if nobody knows.
+    ///
+    /// ```
+    /// use fmc_camera::io::link::after_reset::WithoutEyes;
+    ///
+    /// let after_watchdog = WithoutEyes::AtMost { before_clock_ms: 566, start_up_ms: 21 };
+    /// assert_eq!(after_watchdog.at_most_ms(), Some(587));
+    /// assert_eq!(WithoutEyes::Unknown.at_most_ms(), None);
+    /// ```
+    #[must_use]
+    pub const fn at_most_ms(&self) -> Option<u32> {
+        match *self {
+            Self::NoFlight => Some(0),
+            Self::Unknown | Self::GoesOn { .. } => None,
+            Self::AtMost {
+                before_clock_ms,
+                start_up_ms,
+            } => Some(before_clock_ms.saturating_add(start_up_ms)),
+        }
+    }
+
+    /// Ends with the first round after the start.
+    pub(super) fn end(&mut self, first_round: Time) {
+        if let Self::GoesOn { before_clock_ms } = *self {
+            let start_up_ms = u32::try_from(first_round.us().div_ceil(1000)).unwrap_or(u32::MAX);
+            *self = Self::AtMost {
+                before_clock_ms,
+                start_up_ms,
+            };
+        }
+    }
 }
 
 /// Fate of the flight before a reset.

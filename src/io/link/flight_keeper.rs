@@ -13,6 +13,8 @@ pub(super) struct FlightKeeper {
     /// `None` in a camera without such memory.
     pub(super) memory: Option<&'static FlightMemory>,
     pub(super) head: KeptHead,
+    /// Longest time from the last round before the start until the clock ran, ms, by the board.
+    pub(super) reset_ms: Option<u32>,
     /// Time of the last round that is kept.
     last: Option<Time>,
     /// Time of the first round after the start.
@@ -31,8 +33,10 @@ impl FlightKeeper {
             boot: 1,
             flight: 0,
             resumed: 0,
+            has_round: false,
             prepared: None,
         },
+        reset_ms: None,
         last: None,
         first: None,
         is_ending: false,
@@ -99,20 +103,26 @@ impl FlightKeeper {
         }
     }
 
+    /// Notes that no round comes for seconds, though the watchdog is fed.
+    #[cfg(feature = "store")]
+    pub(super) fn pause(&mut self) {
+        if self.head.has_round {
+            self.head.has_round = false;
+            self.write_head();
+        }
+    }
+
     /// Notes that the camera is to be switched off.
     pub(super) const fn note_power_off(&mut self) {
         self.is_ending = true;
     }
 
-    /// Copies what has changed.
+    /// Copies what has changed. Returns the time of the first round after the start, once.
     #[inline]
-    pub(super) fn keep(&mut self, controller: Option<&mut Controller>) {
-        let (Some(memory), Some(kept)) = (self.memory, &self.head.prepared) else {
-            return;
-        };
-        let Some(controller) = controller else {
-            return;
-        };
+    pub(super) fn keep(&mut self, controller: Option<&mut Controller>) -> Option<Time> {
+        let memory = self.memory?;
+        let kept = self.head.prepared.as_ref()?;
+        let controller = controller?;
         let mut state = controller.flight_state();
         state.is_flying &= !self.is_ending;
         let are_told = |state: &FlightState| (state.records.left(), state.in_doubt);
@@ -142,12 +152,20 @@ impl FlightKeeper {
         {
             self.last = Some(now);
             memory.write_time(now);
-            let first = *self.first.get_or_insert(now);
+            if !self.head.has_round {
+                self.head.has_round = true;
+                self.write_head();
+            }
+            let Some(first) = self.first else {
+                self.first = Some(now);
+                return Some(now);
+            };
             if self.head.resumed > 0 && now.seconds_since(first) > STEADY_S {
                 self.head.resumed = 0;
                 self.write_head();
             }
         }
+        None
     }
 
     /// Notes another state of the flight.

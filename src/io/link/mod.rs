@@ -69,7 +69,7 @@ mod taking_up;
 pub mod wired_deck;
 
 /// Version of packets and messages. It changes whenever a message does.
-pub const PROTOCOL_VERSION: u8 = 10;
+pub const PROTOCOL_VERSION: u8 = 11;
 
 /// Number of points in one message; every buffer's size follows from it.
 pub const MAX_POINTS: usize = 64;

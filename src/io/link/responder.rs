@@ -481,7 +481,9 @@ impl<Deck: FlightDeck> Responder<Deck> {
     /// Copies what has changed of the flight.
     #[inline]
     pub(super) fn keep_flight(&mut self) {
-        self.keeper.keep(self.deck.record_holder_mut());
+        if let Some(first) = self.keeper.keep(self.deck.record_holder_mut()) {
+            self.identity.after_reset.without_eyes.end(first);
+        }
     }
 
     pub(super) fn put_into_use(

@@ -1,6 +1,6 @@
 //! The records of a flight from a ring of the flash, at the start.
 
-use super::after_reset::{AfterReset, FlightAfterReset};
+use super::after_reset::{AfterReset, FlightAfterReset, WithoutEyes};
 use super::deck::FlightDeck;
 use super::responder::Responder;
 use super::ring_contents::{FlightNow, Kind, RingContents, absolute};
@@ -192,6 +192,7 @@ impl<Deck: FlightDeck> Responder<Deck> {
             return;
         }
         after_reset.outcome = FlightAfterReset::FromFlash;
+        after_reset.without_eyes = WithoutEyes::Unknown;
         if let Some((calibration, _)) = found.calibration.filter(|_| is_left) {
             self.hold_last(ring, found, calibration, &extent);
         }

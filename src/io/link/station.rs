@@ -135,6 +135,17 @@ impl<Deck: FlightDeck> Station<Deck> {
         self.responder.carry_out(store)
     }
 
+    /// Bounds the time from the last round before this start until the camera's clock ran, by the
+    /// board, ms: how long rounds may be missing before the watchdog, or whatever else has led to
+    /// the start, resets the camera, and how long the start-up takes until the clock runs. `None`,
+    /// as without this call, where the board cannot tell, as after a loss of the supply.
+    ///
+    /// It is called before [`Self::keep_flight_in`], whose findings tell it
+    /// ([`WithoutEyes`](super::after_reset::WithoutEyes)).
+    pub const fn bound_reset(&mut self, at_most_ms: Option<u32>) {
+        self.responder.keeper.reset_ms = at_most_ms;
+    }
+
     /// Keeps the flight in memory that a reset leaves alone, and takes up the one that is there:
     /// the camera is prepared as it was, and goes on to fly if it was armed. Returns the findings.
     ///

@@ -39,6 +39,7 @@ impl<Deck: FlightDeck> Responder<Deck> {
         let Some((header, order)) = self.shelf.ordered.take() else {
             return LinkEvent::Answered;
         };
+        self.keeper.pause();
         let stored = self.store(store, &order);
         if let Some(controller) = self.deck.record_holder_mut() {
             controller.note_pause();

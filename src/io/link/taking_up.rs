@@ -1,6 +1,6 @@
 //! The flight before a reset, from memory that the reset has left alone.
 
-use super::after_reset::{AfterReset, FlightAfterReset, RESETS_IN_A_ROW};
+use super::after_reset::{AfterReset, FlightAfterReset, RESETS_IN_A_ROW, WithoutEyes};
 use super::deck::FlightDeck;
 use super::digest;
 use super::flight_memory::{FlightMemory, KeptFlight, KeptHead};
@@ -34,6 +34,7 @@ impl<Deck: FlightDeck> Responder<Deck> {
             Some(head) if head.build == build => {
                 keeper.head = KeptHead {
                     boot: head.boot.saturating_add(1),
+                    has_round: false,
                     prepared: None,
                     ..head
                 };
@@ -62,6 +63,14 @@ impl<Deck: FlightDeck> Responder<Deck> {
             }
             (None, Some(flight)) => self.take_up(memory, flight),
         };
+        let had_round = found.is_some_and(|head| head.has_round);
+        let without_eyes = match (outcome, self.keeper.reset_ms) {
+            (FlightAfterReset::Nothing, _) => WithoutEyes::NoFlight,
+            (FlightAfterReset::OtherBuild | FlightAfterReset::Damaged, _) => WithoutEyes::Unknown,
+            // A start without a round may have lasted for any time.
+            (_, Some(before_clock_ms)) if had_round => WithoutEyes::GoesOn { before_clock_ms },
+            _ => WithoutEyes::Unknown,
+        };
         let records = self.deck.record_holder().map_or(0, Controller::kept);
         let after_reset = AfterReset {
             boot: self.keeper.head.boot,
@@ -71,6 +80,7 @@ impl<Deck: FlightDeck> Responder<Deck> {
             records,
             unfinished: taken_up.unfinished,
             damaged: taken_up.damaged,
+            without_eyes,
         };
         self.identity.after_reset = after_reset;
         after_reset

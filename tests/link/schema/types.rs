@@ -30,7 +30,7 @@ use fmc_camera::geometry::principal_distance::FocusSign;
 use fmc_camera::geometry::range::Quantity;
 use fmc_camera::geometry::sensor::FmcAxis;
 use fmc_camera::geometry::shutter::ShutterProfile;
-use fmc_camera::io::link::after_reset::FlightAfterReset;
+use fmc_camera::io::link::after_reset::{FlightAfterReset, WithoutEyes};
 use fmc_camera::io::link::message::{Answer, Ending, Header, Refusal, Request, ResetCause};
 use fmc_camera::io::link::records_in_flash::RecordsInFlash;
 use fmc_camera::io::store::{
@@ -108,6 +108,7 @@ pub(super) fn registry() -> Registry {
         TrialEnd,
         VhSample,
         VhSource,
+        WithoutEyes,
     );
     tracer.registry().unwrap()
 }

@@ -7,7 +7,7 @@ use fmc_camera::geometry::{
 };
 use fmc_camera::io::instruments::{Instruments, counters::ReceiverCounters};
 use fmc_camera::io::link::{
-    after_reset::FlightAfterReset,
+    after_reset::{FlightAfterReset, WithoutEyes},
     deck::{FlightDeck, RigDeck},
     digest,
     flight_memory::FlightMemory,
@@ -95,6 +95,8 @@ pub(crate) fn keep() {
         Station::<Wired>::keep_flight_in,
         Station::<Wired>::keep_flight,
         FlightAfterReset::describe,
+        WithoutEyes::at_most_ms,
+        Station::<RigDeck>::bound_reset,
         FlightMemory::blank,
         FlightMemory::of_words,
         FlightMemory::words,

@@ -37,6 +37,7 @@ pub(super) const CONTENTS: &[Entry] = &[
     Page("Errata", "docs/errata.md"),
     Page("Hazards", "docs/safety.md"),
     Page("A campaign of faults", "docs/campaign.md"),
+    Page("Model checks", "docs/models.md"),
     Page("Derivations", "docs/derivations/README.md"),
     Page("Performance", "docs/performance.md"),
     Page("Rounding", "docs/rounding.md"),

@@ -11,14 +11,14 @@ const PC: u16 = 15;
 
 /// Instruction: its length and what it does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Instruction {
-    pub(super) bytes: u32,
-    pub(super) effect: Effect,
+pub(crate) struct Instruction {
+    pub(crate) bytes: u32,
+    pub(crate) effect: Effect,
 }
 
 /// Effect of an instruction on the stack pointer and on the program counter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Effect {
+pub(crate) enum Effect {
     /// Neither.
     Next,
     /// The depth of the stack grows by these bytes, or shrinks.
@@ -50,7 +50,7 @@ pub(super) enum Effect {
 
 /// Conditions of up to four instructions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Default)]
-pub(super) struct Conditions {
+pub(crate) struct Conditions {
     left: u8,
     /// Bit 0 is that of the next instruction.
     stated: u8,
@@ -88,7 +88,7 @@ impl Conditions {
 impl Instruction {
     /// Returns the address of the constant that the instruction at an address reads from between
     /// the code, if it does.
-    pub(super) fn constant(address: u32, first: u16, second: u16) -> Option<u32> {
+    pub(crate) fn constant(address: u32, first: u16, second: u16) -> Option<u32> {
         let twelve_bits = u32::from(second & 0xfff);
         let eight_bits = 4 * u32::from(second & 0xff);
         let (distance, adds) = match first {
@@ -113,7 +113,7 @@ impl Instruction {
 
     /// Returns the register, the half and whether it is the upper one, if the instruction puts half
     /// of a word into a register (MOVW and MOVT).
-    pub(super) fn half(first: u16, second: u16) -> Option<(u16, u16, bool)> {
+    pub(crate) fn half(first: u16, second: u16) -> Option<(u16, u16, bool)> {
         let is_upper = match first & 0xfbf0 {
             0xf240 => false,
             0xf2c0 => true,
@@ -125,7 +125,7 @@ impl Instruction {
     }
 
     /// Reads the instruction at an address; `second` is the halfword behind its first.
-    pub(super) fn read(address: u32, first: u16, second: u16) -> Self {
+    pub(crate) fn read(address: u32, first: u16, second: u16) -> Self {
         let wide = first >> 11 >= 0b11101;
         Self {
             bytes: if wide { 4 } else { 2 },

@@ -8,7 +8,7 @@
 mod addresses;
 mod function;
 mod image;
-mod instruction;
+pub(crate) mod instruction;
 mod memory;
 mod path;
 mod pointers;

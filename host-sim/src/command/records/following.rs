@@ -239,7 +239,7 @@ impl Following<'_> {
             Some(exposures) => self.earlier.doubt(exposures)?,
             None => Vec::new(),
         };
-        super::report(&recorded, in_doubt.as_ref(), &self.earlier, &marked)
+        super::report(&recorded, &self.status, &self.earlier, &marked)
     }
 }
 

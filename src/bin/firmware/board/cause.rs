@@ -20,6 +20,9 @@ const WORDS: [(u32, ResetCause); 4] = [
     (0x0f10_057a, ResetCause::StackOverflow),
 ];
 
+/// Bits of the word that say that rounds of the control loop came until it was noted.
+const PUNCTUAL: u32 = 0x0180_0000;
+
 /// Returns the cause noted before the reset, and forgets it.
 pub(super) fn take() -> ResetCause {
     let start = noted();
@@ -29,11 +32,21 @@ pub(super) fn take() -> ResetCause {
 
 /// Returns the last noted cause: power on, if the value is none of the noted ones.
 pub(super) fn noted() -> ResetCause {
-    // SAFETY: the address is that of the static, aligned and never written by Rust's own code. Any
-    // bits are a valid u32, and a volatile read returns those in the memory, whatever wrote them.
-    let found = unsafe { WORD.0.get().cast::<u32>().read_volatile() };
-    let known = WORDS.iter().find(|(word, _)| *word == found);
+    let found = read();
+    let known = WORDS.iter().find(|(word, _)| is_of(*word, found));
     known.map_or(ResetCause::PowerOn, |(_, start)| *start)
+}
+
+/// Returns `true` if a noted word is that of a cause.
+const fn is_of(word: u32, found: u32) -> bool {
+    found == word || found == word ^ PUNCTUAL
+}
+
+/// Returns `true` if rounds of the control loop came until the cause was noted.
+#[cfg(feature = "board-nucleo-h743zi")]
+pub(super) fn is_punctual() -> bool {
+    let found = read();
+    WORDS.iter().any(|(word, _)| word ^ PUNCTUAL == found)
 }
 
 /// Forgets the present content of the memory.
@@ -44,8 +57,24 @@ pub(super) fn forget() {
 
 /// Notes the cause of the reset that follows.
 pub(super) fn note(start: ResetCause) {
+    write(word_of(start));
+}
+
+/// Notes the cause of a reset that follows at once, while rounds of the control loop come.
+#[cfg(feature = "board-nucleo-h743zi")]
+pub(super) fn note_punctual(start: ResetCause) {
+    write(word_of(start) ^ PUNCTUAL);
+}
+
+fn word_of(start: ResetCause) -> u32 {
     let known = WORDS.iter().find(|(_, known)| *known == start);
-    write(known.map_or(0, |(word, _)| *word));
+    known.map_or(0, |(word, _)| *word)
+}
+
+fn read() -> u32 {
+    // SAFETY: the address is that of the static, aligned and never written by Rust's own code. Any
+    // bits are a valid u32, and a volatile read returns those in the memory, whatever wrote them.
+    unsafe { WORD.0.get().cast::<u32>().read_volatile() }
 }
 
 fn write(word: u32) {

@@ -5,6 +5,8 @@
 //! - `NAME`, and `CAN_POWER_OFF`: `true` if `power_off` switches the power off;
 //! - `store` and `records`, where the feature `store` is on: the store of the calibration and the
 //!   ring of records in the board's flash;
+//! - `reset_at_most_ms`: the longest time from the last round before the start until `now_us`
+//!   counted again, if it is known;
 //! - `flight_memory`: memory that a reset leaves alone, by the cause of the start;
 //! - `deck`: the camera of the link, a type `Deck`, not prepared; `fly`: makes a round of the
 //!   control loop if one is due, and never waits;

@@ -11,7 +11,7 @@ const HEAD_WORDS: usize = 2;
 const WORD: usize = size_of::<u32>();
 
 /// Version of all that is kept; a firmware with another does not read it.
-const LAYOUT: u32 = 2;
+const LAYOUT: u32 = 3;
 
 /// Added to a CRC-32, so that memory full of zeros is no block.
 const SEAL: u32 = 0x0f11_6847 ^ LAYOUT;

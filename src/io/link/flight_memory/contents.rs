@@ -21,6 +21,8 @@ pub(crate) struct KeptHead {
     pub(crate) flight: u32,
     /// Resets in a row of the prepared camera, each soon after the one before.
     pub(crate) resumed: u8,
+    /// A round of the control loop has come since the start, or since a pause for the store.
+    pub(crate) has_round: bool,
     /// The flight; `None` while the camera is not prepared.
     pub(crate) prepared: Option<KeptFlight>,
 }

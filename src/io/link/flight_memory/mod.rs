@@ -15,6 +15,8 @@
 mod block;
 mod contents;
 #[cfg(test)]
+mod keeper_tests;
+#[cfg(test)]
 mod tests;
 mod words;
 

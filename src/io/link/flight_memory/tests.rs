@@ -16,6 +16,7 @@ fn head(writing: u32) -> KeptHead {
         boot: 3,
         flight: 7,
         resumed: 1,
+        has_round: true,
         prepared: None,
     }
 }

@@ -11,6 +11,9 @@ use super::registers::{COUNTER, PRESCALER};
 pub(super) const CYCLES_PER_US: u32 = 25;
 const TICK_US: u32 = 1000;
 
+/// Longest time from a reset until the counter runs, ms.
+pub(super) const RUNS_WITHIN_MS: u32 = 10;
+
 static TICKS: AtomicU32 = AtomicU32::new(0);
 
 /// Starts both.

@@ -89,6 +89,12 @@ impl Board {
         RecordRing::open(Flash::of_records(self.memory), 0, sectors).ok()
     }
 
+    /// Returns the longest time from the last look for a round until the clock counted again, ms:
+    /// rounds come when the rig sends them. `None` without supply.
+    pub(crate) fn reset_at_most_ms(&self, start: ResetCause) -> Option<u32> {
+        (start != ResetCause::PowerOn).then_some(watchdog::BITES_WITHIN_MS + clock::RUNS_WITHIN_MS)
+    }
+
     /// Returns the memory that a reset leaves alone, once.
     pub(crate) fn flight_memory(start: ResetCause) -> &'static FlightMemory {
         flight_memory::find(start)

@@ -9,6 +9,10 @@ use super::clock::CYCLES_PER_US;
 use super::registers::{WATCHDOG_CLEAR, WATCHDOG_CONTROL, WATCHDOG_LOAD, WATCHDOG_LOCK};
 
 const PERIOD_US: u32 = 250_000;
+
+/// Longest time from the last byte that the main loop took until the reset, ms: one expiry is
+/// forgiven.
+pub(super) const BITES_WITHIN_MS: u32 = 2 * PERIOD_US / 1000 + 1;
 const KEY: u32 = 0x1acc_e551;
 const INTERRUPT: u32 = 0b01;
 

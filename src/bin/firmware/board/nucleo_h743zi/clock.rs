@@ -20,6 +20,9 @@ pub(super) const PERIPHERAL_HZ: u32 = 100_000_000;
 /// Clock of the timers, twice that of other peripherals.
 pub(super) const TIMER_MHZ: u16 = 200;
 
+/// Longest time from a reset until the count of microseconds runs, ms.
+pub(super) const RUNS_WITHIN_MS: u32 = 10;
+
 /// Returns the clock tree: the 8 MHz that the ST-LINK feeds in are multiplied to 800 MHz and
 /// halved. Buses run at their limits in this voltage range: 200 MHz, peripherals 100 MHz.
 pub(super) fn configuration() -> Config {

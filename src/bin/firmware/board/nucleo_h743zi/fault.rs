@@ -14,14 +14,27 @@ use super::{
 /// Time for the debugger to collect the log.
 const LOG_US: u32 = 20_000;
 
+/// Longest time from the handler's entry until the reset, ms: the delay counts instructions, which
+/// may take twice as long.
+pub(super) const RESETS_WITHIN_MS: u32 = 2 * LOG_US / 1000;
+
 /// Logs by `log`, unless the log itself failed, and restarts.
 fn restart(start: ResetCause, log: impl FnOnce()) -> ! {
+    restart_noted(start, !control_loop::is_overdue(), log)
+}
+
+/// As [`restart`]; `is_punctual` is `true` if rounds have come until now, by a clock that runs.
+fn restart_noted(start: ResetCause, is_punctual: bool, log: impl FnOnce()) -> ! {
     control_loop::stop();
     if !matches!(
         cause::noted(),
         ResetCause::Fault | ResetCause::StackOverflow
     ) {
-        cause::note(start);
+        if is_punctual {
+            cause::note_punctual(start);
+        } else {
+            cause::note(start);
+        }
         log();
         cortex_m::asm::delay(CORE_MHZ * LOG_US);
     }
@@ -43,7 +56,7 @@ pub(in super::super) fn stop_after_fault(fault: &HardFault) -> ! {
 #[exception]
 unsafe fn NonMaskableInt() -> ! {
     clock::note_failure();
-    restart(ResetCause::Fault, || {
+    restart_noted(ResetCause::Fault, false, || {
         defmt::error!("the clock of the ST-LINK has failed");
     })
 }

@@ -30,7 +30,7 @@ const BUS_FAULTS: u32 = 0xff << 8;
 /// Returns the address of the word with an offset in the bank, if it lies there.
 fn address_of(offset: u32) -> Option<usize> {
     let is_word = offset < BANK_2_BYTES && offset.is_multiple_of(32);
-    is_word.then_some((BANK_2 + offset) as usize)
+    is_word.then_some(BANK_2.wrapping_add(offset) as usize)
 }
 
 /// Reads the word with an offset in the bank; `None` if the bus fails, as it does for a word that

@@ -192,7 +192,8 @@ impl Latched {
             }
             let interval_us = u32::from(INTERVAL_US);
             let until_last_us = running_us.saturating_sub(u32::from(age_us));
-            let [intervals, ..] = ((until_last_us + interval_us / 2) / interval_us).to_le_bytes();
+            let rounded_us = until_last_us.saturating_add(interval_us / 2);
+            let [intervals, ..] = (rounded_us / interval_us).to_le_bytes();
             let counted = made.wrapping_sub(STARTED_AT.load(Ordering::Relaxed));
             if counted % PLACES == u16::from(intervals) % PLACES {
                 self.between = Some((made, age_us));

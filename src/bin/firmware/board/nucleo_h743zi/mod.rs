@@ -42,7 +42,9 @@ use self::{
     step_pins::StepPins,
     wires::Wires,
 };
-use fmc_camera::flight::{disciplined_clock::DisciplinedClock, flown_deck::FlownDeck};
+use fmc_camera::flight::{
+    disciplined_clock::DisciplinedClock, flown_deck::FlownDeck, round_guard::LONGEST_ROUND_US,
+};
 use fmc_camera::io::instruments::Instruments;
 use fmc_camera::io::link::{
     flight_memory::FlightMemory, message::ResetCause, wired_deck::WiredDeck,
@@ -62,6 +64,8 @@ pub(crate) struct Board {
     alive: Output<'static>,
     /// LD3, red: lit if this start follows a fault or the watchdog.
     _restarted: Output<'static>,
+    /// Longest time from the last round before the start until the clock counted again, ms.
+    reset_at_most_ms: Option<u32>,
     time: DisciplinedClock,
     _clock: Microseconds,
     motor: Motor,
@@ -73,6 +77,9 @@ pub(crate) struct Board {
     /// Reserved.
     _stepper: StepPins,
 }
+
+/// Longest time from the last round that is kept to a moment at which rounds are not overdue, ms.
+const ROUNDS_WITHIN_MS: u32 = 2 * LONGEST_ROUND_US.div_ceil(1000);
 
 /// Type of the link's camera: that on this board's pins.
 pub(crate) type Deck = WiredDeck<motor::Drive>;
@@ -86,7 +93,7 @@ impl Board {
     /// Starts clocks, link and watchdog, once; `None` if that fails.
     pub(crate) fn start() -> Option<(Self, ResetCause)> {
         watchdog::start();
-        let start = reason_of_start();
+        let (start, reset_at_most_ms) = reason_of_start();
         let mut core = cortex_m::Peripherals::take()?;
         memory_guard::start(&mut core.MPU, regions::REGIONS);
         core.SCB.enable_icache();
@@ -102,6 +109,7 @@ impl Board {
             link: Link::start(p.USART3, p.PD8, p.PD9),
             alive: Output::new(p.PB0, Level::High, Speed::Low),
             _restarted: Output::new(p.PB14, restarted, Speed::Low),
+            reset_at_most_ms,
             time: DisciplinedClock::new(),
             motor: Motor::start(
                 (p.TIM1, p.TIM4),
@@ -153,6 +161,14 @@ impl Board {
     #[expect(clippy::unused_self, reason = "the interface is that of every board")]
     pub(crate) fn records(&self) -> Option<RecordRing<Flash>> {
         RecordRing::open(Flash::for_records()?, 0, RECORD_SECTORS).ok()
+    }
+
+    /// Returns the longest time from the last round before the start until the clock counted again,
+    /// ms: by the watchdog's interval, which bounds every other reset of the chip, or from rounds
+    /// that came until the handler of a fault. `None` without supply, and after a reset by the pin,
+    /// which is held for any time.
+    pub(crate) const fn reset_at_most_ms(&self, _: ResetCause) -> Option<u32> {
+        self.reset_at_most_ms
     }
 
     /// Returns the memory that a reset leaves alone, once.
@@ -227,6 +243,9 @@ impl Board {
 
     /// Restarts, once the last byte has left.
     pub(crate) fn reset(&mut self) -> ! {
+        if !control_loop::is_overdue() {
+            cause::note_punctual(ResetCause::Requested);
+        }
         control_loop::stop();
         self.link.finish();
         cortex_m::peripheral::SCB::sys_reset()
@@ -238,9 +257,9 @@ impl Board {
     }
 }
 
-/// Returns the cause of the processor's start, from the flags of the reset controller, which it
-/// clears.
-fn reason_of_start() -> ResetCause {
+/// Returns the cause of the processor's start, and [`Board::reset_at_most_ms`], from the flags of
+/// the reset controller, which it clears.
+fn reason_of_start() -> (ResetCause, Option<u32>) {
     let flags = pac::RCC.rsr().read();
     pac::RCC.rsr().modify(|w| w.set_rmvf(true));
     // After a brown-out memory is no more reliable than after power on.
@@ -248,11 +267,23 @@ fn reason_of_start() -> ResetCause {
         // They have no contents yet; reading them could fail the memory's error correction.
         cause::forget();
         flight_memory::forget();
-        return ResetCause::PowerOn;
+        return (ResetCause::PowerOn, None);
     }
-    match cause::take() {
+    let is_punctual = cause::is_punctual();
+    let start = match cause::take() {
         noted @ (ResetCause::Fault | ResetCause::StackOverflow) => noted,
         _ if flags.iwdg1rstf() => ResetCause::Watchdog,
         _ => ResetCause::Requested,
-    }
+    };
+    // The last round that is kept may have begun late, and the one behind it may not have ended.
+    let until_reset_ms = match (flags.iwdg1rstf(), flags.sftrstf()) {
+        (true, _) => Some(watchdog::BITES_WITHIN_MS),
+        (false, true) if is_punctual => Some(ROUNDS_WITHIN_MS + fault::RESETS_WITHIN_MS),
+        (false, true) => Some(watchdog::BITES_WITHIN_MS),
+        (false, false) => None,
+    };
+    (
+        start,
+        until_reset_ms.map(|until_ms| until_ms + clock::RUNS_WITHIN_MS),
+    )
 }

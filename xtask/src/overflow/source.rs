@@ -1,0 +1,233 @@
+//! Names of files and functions as the list has them, the same on every machine.
+
+use std::{
+    collections::BTreeMap,
+    fs,
+    path::{Path, PathBuf},
+};
+
+/// Sources that have been read.
+#[derive(Debug)]
+pub(super) struct Sources {
+    root: PathBuf,
+    lines: BTreeMap<String, Vec<String>>,
+}
+
+impl Sources {
+    pub(super) fn new(root: &Path) -> Self {
+        Self {
+            root: root.to_owned(),
+            lines: BTreeMap::new(),
+        }
+    }
+
+    /// Returns the lines of a file, by the path that the compiler had; none if it cannot be read.
+    pub(super) fn lines(&mut self, file: &str) -> &[String] {
+        let root = &self.root;
+        let read = || {
+            let text = fs::read_to_string(root.join(file)).unwrap_or_default();
+            text.lines().map(str::to_owned).collect()
+        };
+        self.lines.entry(file.to_owned()).or_insert_with(read)
+    }
+}
+
+/// Returns the name of a file in the list: from the root for those of this project, else its crate,
+/// without a version, and the path in it.
+pub(super) fn file(path: &str) -> String {
+    let path = path.replace('\\', "/");
+    if let Some((_, of_library)) = path.rsplit_once("/library/") {
+        return of_library.to_owned();
+    }
+    let Some((_, of_registry)) = path.split_once("/registry/src/") else {
+        return path;
+    };
+    let in_crate = of_registry.split_once('/').map(|(_, rest)| rest);
+    let Some((package, rest)) = in_crate.and_then(|rest| rest.split_once('/')) else {
+        return path;
+    };
+    let is_version = |(at, _): &(usize, &str)| {
+        let next = package.get(at + 1..).and_then(|rest| rest.chars().next());
+        next.is_some_and(|first| first.is_ascii_digit())
+    };
+    let dash = package.match_indices('-').find(is_version);
+    let name = dash.and_then(|(at, _)| package.get(..at));
+    format!("{}/{rest}", name.unwrap_or(package))
+}
+
+/// Returns the function that a line is in, with the type or trait whose function it is, or the
+/// macro that makes it: the headers above it that are indented less and less, as rustfmt writes
+/// them.
+pub(super) fn function(lines: &[String], line: u32) -> Option<String> {
+    let last = usize::try_from(line).ok()?;
+    let above = lines.get(..last)?.iter().rev();
+    let mut name: Option<String> = None;
+    let mut least = usize::MAX;
+    let mut is_end_of_header = false;
+    for text in above {
+        let code = text.trim_start();
+        if code.is_empty() || code.starts_with("//") {
+            continue;
+        }
+        let indent = text.len() - code.len();
+        if indent > least || (indent == least && !is_end_of_header) {
+            continue;
+        }
+        least = indent;
+        // The last line of a header of several lines is indented as its first one.
+        is_end_of_header = [")", "{", "where", ">"]
+            .iter()
+            .any(|end| code.starts_with(end));
+        if name.is_none()
+            && let Some((name, _)) = code.split_once("! {")
+            && name.chars().all(|c| c.is_alphanumeric() || c == '_')
+        {
+            return Some(format!("{name}!"));
+        }
+        match &name {
+            None => name = name_of_function(code).map(str::to_owned),
+            Some(function) => {
+                if let Some(owner) = name_of_owner(code) {
+                    return Some(format!("{owner}::{function}"));
+                }
+            }
+        }
+    }
+    name
+}
+
+/// Returns the name of the function whose header a line begins.
+fn name_of_function(code: &str) -> Option<&str> {
+    let (before, after) = code.split_once("fn ")?;
+    let is_qualifier = |word: &str| {
+        ["const", "unsafe", "async", "extern", "default", "\"C\""].contains(&word)
+            || word.starts_with("pub")
+            || word.ends_with(')')
+    };
+    if !before.split_whitespace().all(is_qualifier) {
+        return None;
+    }
+    let is_end = |c: char| !(c.is_alphanumeric() || c == '_' || c == '$');
+    after.split(is_end).next().filter(|name| !name.is_empty())
+}
+
+/// Returns the type or the trait whose functions follow a line.
+fn name_of_owner(code: &str) -> Option<&str> {
+    let code = code.trim_start_matches("unsafe ");
+    let header = if let Some(rest) = code.strip_prefix("impl") {
+        let rest = if rest.starts_with('<') {
+            rest.get(end_of_generics(rest)?..)?
+        } else {
+            rest
+        };
+        rest.split_once(" for ").map_or(rest, |(_, owner)| owner)
+    } else {
+        let (before, rest) = code.split_once("trait ")?;
+        let is_header = before.is_empty() || before.starts_with("pub");
+        is_header.then_some(rest)?
+    };
+    let header = header.trim_start().trim_start_matches("const ");
+    let header = header.trim_start_matches(['&', '[', '(', '*']);
+    let is_lifetime = header.starts_with('\'');
+    let behind = header.split_once(' ').filter(|_| is_lifetime);
+    let header = behind.map_or(header, |(_, behind)| behind);
+    let is_end = |c: char| !(c.is_alphanumeric() || "_:$".contains(c));
+    let path = header.split(is_end).next()?;
+    let path = path.trim_end_matches(':');
+    Some(path.rsplit("::").next().unwrap_or(path)).filter(|name| !name.is_empty())
+}
+
+/// Returns where the generics at the start of a text end.
+fn end_of_generics(text: &str) -> Option<usize> {
+    let mut depth = 0_usize;
+    let mut before = ' ';
+    for (at, c) in text.char_indices() {
+        match c {
+            '<' => depth += 1,
+            '>' if before != '-' => depth = depth.checked_sub(1)?,
+            _ => {}
+        }
+        if depth == 0 {
+            return Some(at + 1);
+        }
+        before = c;
+    }
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn function_at(text: &str, line: u32) -> Option<String> {
+        let lines: Vec<String> = text.lines().map(str::to_owned).collect();
+        function(&lines, line)
+    }
+
+    #[test]
+    fn file_is_named_alike_on_every_machine() {
+        for (path, name) in [
+            ("src/flight/ring.rs", "src/flight/ring.rs"),
+            (
+                "/root/.cargo/registry/src/index.crates.io-1949/sha2-0.11.0/src/a.rs",
+                "sha2/src/a.rs",
+            ),
+            (
+                "C:\\u\\.cargo\\registry\\src\\index-1\\embassy-stm32-0.6.0\\src\\a.rs",
+                "embassy-stm32/src/a.rs",
+            ),
+            (
+                "/usr/src/rust/library/core/src/fmt/mod.rs",
+                "core/src/fmt/mod.rs",
+            ),
+        ] {
+            assert_eq!(file(path), name);
+        }
+    }
+
+    #[test]
+    fn function_is_that_of_the_headers_above() {
+        let text = "
+impl<T: Fn() -> u8, const N: usize> Ring<T, N> {
+    /// fn not_this()
+    pub(crate) const fn push(
+        &mut self,
+        value: T,
+    ) -> usize
+    where
+        T: Copy,
+    {
+        fn inner(a: usize) -> usize {
+            a + 1
+        }
+        if self.is_full() {
+            self.start += 1;
+        }
+    }
+}
+
+fn free(a: u8) -> u8 { a + 1 }
+
+impl<'a> core::ops::Add<&'a u8> for &'a super::Count {
+    fn add(self) {
+        self.iter().map(|one| {
+            one + 1
+        })
+    }
+}
+
+all_sums! { u8 u16 }
+";
+        let at = |code: &str| {
+            let line = text.lines().position(|line| line.contains(code));
+            function_at(text, u32::try_from(line.unwrap() + 1).unwrap())
+        };
+        assert_eq!(at("self.start += 1").as_deref(), Some("Ring::push"));
+        assert_eq!(at("            a + 1").as_deref(), Some("Ring::inner"));
+        assert_eq!(at("fn free").as_deref(), Some("free"));
+        assert_eq!(at("one + 1").as_deref(), Some("Count::add"));
+        assert_eq!(at("all_sums!").as_deref(), Some("all_sums!"));
+        assert_eq!(function_at(text, 1), None);
+        assert_eq!(function_at(text, 1000), None);
+    }
+}
