@@ -8,7 +8,7 @@ kept, each checked by its CRC. `src/io/link/mod.rs` describes packets, `message.
 
 import os, random, select, socket, sys, tty, zlib  # noqa: E401
 
-VERSION, CONNECT_READING, STATUS, RECORD = 10, [27], [18], [16]
+VERSION, CONNECT_READING, STATUS, RECORD = 11, [27], [18], [16]
 STATES = "standby armed degraded run-up tracking exposing fly-back fault".split()
 
 
