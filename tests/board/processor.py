@@ -85,6 +85,7 @@ class Processor:
         self.events = []
         self.order = 0
         self.is_polling = False
+        self.is_idle = False
         self.failed = 0
         self.begun_at = None
         mode = unicorn.UC_MODE_THUMB | unicorn.UC_MODE_MCLASS
@@ -125,9 +126,11 @@ class Processor:
         self.at(self.now + cycles, act)
 
     def poll(self):
-        """A register is read again and again that only the next event can change: time passes."""
-        if self.events:
+        """A register is read that only the next event can change. Where it was read before, and nothing
+        has happened since that the program could be at, time passes up to that event."""
+        if self.events and self.is_idle:
             self.now = max(self.now, min(self.events[0][0], self.horizon))
+        self.is_idle = True
         self.is_polling = True
 
     # Reset.
@@ -357,6 +360,7 @@ class Processor:
         handler failed").
         """
         uc = self.uc
+        self.is_idle = False
         self.program_counter.write(self.pc | 1)
         *core, xpsr, d0, d1, d2, d3, d4, d5, d6, d7, fpscr, stack = self.pushed.read()
         frame = (stack - FRAME_BYTES) & ~7
@@ -424,6 +428,7 @@ class Processor:
         """Runs to a time, or somewhat beyond."""
         while self.now < until:
             while self.events and self.events[0][0] <= self.now:
+                self.is_idle = False
                 heapq.heappop(self.events)[2]()
             horizon = min(self.events[0][0], until) if self.events else until
             self.horizon = horizon
