@@ -112,7 +112,9 @@ fn time_without_eyes_is_told_with_the_start_and_beside_the_records() {
         let device = fly(&bench, &port);
         let status = bench.run(&["camera", "--device", &device, "status"]).ok();
         let fetched = bench.run(&["records", "--device", &device, "--out", "kept"]);
-        (status.stdout, fetched.ok().stderr)
+        // Its lines are broken for a terminal.
+        let words: Vec<_> = status.stdout.split_whitespace().collect();
+        (words.join(" "), fetched.ok().stderr)
     };
     let (status, beside) = told(|_| {});
     assert!(!status.contains("no record"), "{status}");

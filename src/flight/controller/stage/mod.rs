@@ -344,7 +344,7 @@ impl StageMachine {
     }
 
     /// Returns `true` if the following error changes by at most `allowed_mm` in an exposure, mm, or
-    /// if that cannot be known.
+    /// if that cannot be known. It is not known that it does so while the last reading is in doubt.
     pub(super) fn is_steady(
         &self,
         setup: &Setup,
@@ -355,7 +355,8 @@ impl StageMachine {
         if !setup.camera.has_stage() || self.is_place_lost {
             return true;
         }
-        now.seconds_since(self.last_reading) <= LATE_TICK_S
+        self.suspicious.is_none()
+            && now.seconds_since(self.last_reading) <= LATE_TICK_S
             && self
                 .following_slope
                 .per_s()
