@@ -15,7 +15,7 @@ use crate::version::checked;
 use crate::{FMC_ERROR_UNINITIALISED, FMC_SERIAL_LENGTH};
 
 /// Words of a camera.
-pub const FMC_CAMERA_WORDS: usize = 48;
+pub const FMC_CAMERA_WORDS: usize = 66;
 
 /// A validated camera, in storage of the caller; it may be copied.
 #[repr(C)]
