@@ -134,9 +134,11 @@ impl Camera {
 
     /// Returns the camera with its focus table: every row, with the largest run-out of the stage,
     /// is within [`MAX_FOCUS_FRACTION`].
-    ///
-    /// It is inlined, so that a program whose cameras have no table is without its check.
-    #[inline]
+    #[expect(
+        clippy::inline_always,
+        reason = "a program whose cameras have no focus table is without its code"
+    )]
+    #[inline(always)]
     fn with_focus(mut self, table: &FocusTable) -> Result<Self, CalibrationError> {
         if !table.is_empty() {
             table.check(self.largest_focus_shift_um())?;
@@ -196,7 +198,11 @@ impl Camera {
     ///
     /// # Errors
     /// As [`Self::new`].
-    #[inline]
+    #[expect(
+        clippy::inline_always,
+        reason = "a program whose cameras have no focus table is without its code"
+    )]
+    #[inline(always)]
     pub fn identified(
         parameters: CameraParameters,
         crc: u32,

@@ -4,6 +4,8 @@ use core::ffi::c_char;
 
 use fmc::flight::calibration_id::{self, CalibrationId};
 use fmc::flight::camera::{Camera, CameraParameters};
+use fmc::geometry::focus_table::FocusTable;
+use fmc::geometry::grid::GridChecksums;
 use fmc::io::link::digest;
 
 use crate::camera_record::fmc_camera_record;
@@ -97,8 +99,14 @@ pub unsafe extern "C" fn fmc_camera_init(
         // SAFETY: the caller's promise.
         let record = unsafe { memory::input(record, 2) }?;
         let storage = code::storage(record.storage)?;
+        let parameters = CameraParameters {
+            // A record has neither; said here, the compiler knows.
+            grids: GridChecksums::NONE,
+            focus: FocusTable::NONE,
+            ..record.parameters()?
+        };
         // SAFETY: the caller's promise; `room` has accepted the storage.
-        unsafe { put(camera, &record.parameters()?, storage) }
+        unsafe { put(camera, &parameters, storage) }
     };
     // SAFETY: the caller's promise.
     unsafe { memory::status(initialised(), error) }
@@ -137,6 +145,11 @@ pub unsafe extern "C" fn fmc_camera_id(
 ///
 /// # Safety
 /// As of [`memory::put`].
+#[expect(
+    clippy::inline_always,
+    reason = "a program whose cameras come from records is without grids and focus table"
+)]
+#[inline(always)]
 pub(crate) unsafe fn put(
     camera: *mut fmc_camera,
     parameters: &CameraParameters,

@@ -25,10 +25,11 @@ pub(super) struct Identity(Digest<'static, u32, Table<0>>);
 
 impl Identity {
     /// Returns the CRC-32 of a camera's parameters.
-    ///
-    /// It is inlined, so that a program whose cameras have neither grids nor focus table is without
-    /// their part.
-    #[inline]
+    #[expect(
+        clippy::inline_always,
+        reason = "a program whose cameras have neither grids nor focus table is without their code"
+    )]
+    #[inline(always)]
     pub(super) fn of(record: &CameraParameters) -> u32 {
         let mut sum = Self::of_fields(record);
         let CameraParameters { grids, focus, .. } = record;
