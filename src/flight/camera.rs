@@ -134,16 +134,9 @@ impl Camera {
 
     /// Returns the camera with its focus table: every row, with the largest run-out of the stage,
     /// is within [`MAX_FOCUS_FRACTION`].
-    #[expect(
-        clippy::inline_always,
-        reason = "a program whose cameras have no focus table is without its code"
-    )]
-    #[inline(always)]
     fn with_focus(mut self, table: &FocusTable) -> Result<Self, CalibrationError> {
-        if !table.is_empty() {
-            table.check(self.largest_focus_shift_um())?;
-            self.focus = *table;
-        }
+        table.check(self.largest_focus_shift_um())?;
+        self.focus = *table;
         Ok(self)
     }
 
@@ -204,7 +197,7 @@ impl Camera {
     )]
     #[inline(always)]
     pub fn identified(
-        parameters: CameraParameters,
+        parameters: &CameraParameters,
         crc: u32,
         storage: Storage,
     ) -> Result<Self, CalibrationError> {
@@ -214,7 +207,12 @@ impl Camera {
             crc,
             storage,
         };
-        Self::validated(&parameters, Some(id))?.with_focus(&parameters.focus)
+        let made = Self::validated(parameters, Some(id));
+        if parameters.focus.is_empty() {
+            // Nothing is moved.
+            return made;
+        }
+        made?.with_focus(&parameters.focus)
     }
 
     /// Identity of the calibration; `None` if none was given.

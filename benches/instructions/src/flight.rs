@@ -149,7 +149,7 @@ fn settings() -> FlightSettings {
 
 /// Returns a camera with an identity.
 fn camera(record: &CameraParameters) -> Option<Camera> {
-    Camera::identified(*record, CALIBRATION_CRC, Storage::Volatile).ok()
+    Camera::identified(record, CALIBRATION_CRC, Storage::Volatile).ok()
 }
 
 fn prepared() -> Option<PreparedCamera> {

@@ -99,12 +99,9 @@ pub unsafe extern "C" fn fmc_camera_init(
         // SAFETY: the caller's promise.
         let record = unsafe { memory::input(record, 2) }?;
         let storage = code::storage(record.storage)?;
-        let parameters = CameraParameters {
-            // A record has neither; said here, the compiler knows.
-            grids: GridChecksums::NONE,
-            focus: FocusTable::NONE,
-            ..record.parameters()?
-        };
+        let mut parameters = record.parameters()?;
+        // A record has neither; said here, the compiler knows.
+        (parameters.grids, parameters.focus) = (GridChecksums::NONE, FocusTable::NONE);
         // SAFETY: the caller's promise; `room` has accepted the storage.
         unsafe { put(camera, &parameters, storage) }
     };
@@ -156,7 +153,7 @@ pub(crate) unsafe fn put(
     storage: calibration_id::Storage,
 ) -> Result<(), Refusal> {
     let crc = digest::of_camera(parameters);
-    match Camera::identified(*parameters, crc, storage) {
+    match Camera::identified(parameters, crc, storage) {
         Ok(made) => {
             // SAFETY: the caller's promise.
             unsafe { memory::put(camera, crc, made) };

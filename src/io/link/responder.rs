@@ -493,7 +493,7 @@ impl<Deck: FlightDeck> Responder<Deck> {
         storage: Storage,
         keeps_flight: bool,
     ) -> Result<CalibrationId, Refusal> {
-        let camera = Camera::identified(*record, crc, storage).map_err(Refusal::Calibration)?;
+        let camera = Camera::identified(record, crc, storage).map_err(Refusal::Calibration)?;
         if keeps_flight {
             self.deck.check_exchange(&camera)?;
         }
