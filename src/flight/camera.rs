@@ -10,6 +10,7 @@ use super::interior_orientation::InteriorOrientation;
 use super::stage::{MechanismLimits, RunUp, Stage, StagePlan, Tracking};
 use crate::geometry::calibration::{Calibration, CalibrationError, CalibrationParameters};
 use crate::geometry::camera_grids::CameraGrids;
+use crate::geometry::focus_table::FocusTable;
 use crate::geometry::frame_correction::{Fold, FrameCorrection};
 use crate::geometry::grid::GridChecksums;
 use crate::geometry::interval::lesser;
@@ -64,6 +65,10 @@ pub struct CameraParameters {
     /// camera without grids keeps the identity that it has had.
     #[cfg_attr(feature = "serde", serde(skip))]
     pub grids: GridChecksums,
+    /// Focus shift over temperature. The link carries it behind the grids' checksums, so that a
+    /// camera without a table keeps the identity that it has had.
+    #[cfg_attr(feature = "serde", serde(skip))]
+    pub focus: FocusTable,
 }
 
 impl CameraParameters {
@@ -87,6 +92,7 @@ impl CameraParameters {
             serial: SerialNumber::EMPTY,
             version: 0,
             grids: GridChecksums::NONE,
+            focus: FocusTable::NONE,
         }
     }
 }
@@ -103,6 +109,7 @@ pub struct Camera {
     shutter: Shutter,
     limits: Limits,
     grids: GridChecksums,
+    focus: FocusTable,
     /// `None` also until the grids are there.
     lens_grid: Option<LensGridBounds>,
 }
@@ -122,7 +129,15 @@ impl Camera {
     /// # Errors
     /// [`CalibrationError`] naming the quantity, its value and the allowed range.
     pub fn new(parameters: CameraParameters) -> Result<Self, CalibrationError> {
-        Self::validated(&parameters, None)
+        Self::validated(&parameters, None)?.with_focus(&parameters.focus)
+    }
+
+    /// Returns the camera with its focus table: every row, with the largest run-out of the stage,
+    /// is within [`MAX_FOCUS_FRACTION`].
+    fn with_focus(mut self, table: &FocusTable) -> Result<Self, CalibrationError> {
+        table.check(self.largest_focus_shift_um())?;
+        self.focus = *table;
+        Ok(self)
     }
 
     fn validated(
@@ -167,6 +182,7 @@ impl Camera {
             shutter,
             limits,
             grids: parameters.grids,
+            focus: FocusTable::NONE,
             lens_grid: None,
         })
     }
@@ -175,8 +191,13 @@ impl Camera {
     ///
     /// # Errors
     /// As [`Self::new`].
+    #[expect(
+        clippy::inline_always,
+        reason = "a program whose cameras have no focus table is without its code"
+    )]
+    #[inline(always)]
     pub fn identified(
-        parameters: CameraParameters,
+        parameters: &CameraParameters,
         crc: u32,
         storage: Storage,
     ) -> Result<Self, CalibrationError> {
@@ -186,7 +207,12 @@ impl Camera {
             crc,
             storage,
         };
-        Self::validated(&parameters, Some(id))
+        let made = Self::validated(parameters, Some(id));
+        if parameters.focus.is_empty() {
+            // Nothing is moved.
+            return made;
+        }
+        made?.with_focus(&parameters.focus)
     }
 
     /// Identity of the calibration; `None` if none was given.
@@ -215,6 +241,13 @@ impl Camera {
     #[must_use]
     pub const fn grid_checksums(&self) -> GridChecksums {
         self.grids
+    }
+
+    /// Focus shift over temperature; empty for a camera without a table. [`Self::frame`] does not
+    /// use it: the controller adds it to the focus shift of each exposure.
+    #[must_use]
+    pub const fn focus_table(&self) -> &FocusTable {
+        &self.focus
     }
 
     /// The validated shutter.
@@ -359,13 +392,18 @@ impl Camera {
     /// # Errors
     /// [`FrameError::OutOfRange`] with the range.
     pub(crate) fn check_focus_shift(&self, shift_um: f32) -> Result<(), FrameError> {
+        let most_um = self.largest_focus_shift_um();
+        Quantity::FocusShiftUm.check_within(shift_um, -most_um, most_um)?;
+        Ok(())
+    }
+
+    /// Returns the largest focus shift beside the run-out of the stage, either way, µm.
+    fn largest_focus_shift_um(&self) -> f32 {
         let parameters = self.calibration.parameters();
         let run_out_mm = parameters.flatness.largest_mm(0.5 * parameters.stroke_mm);
         let nearer_mm = lesser(parameters.exit_pupil_mm, parameters.principal_distance_mm);
         // No shift is always in range.
-        let most_um = 1000.0 * (MAX_FOCUS_FRACTION * nearer_mm - run_out_mm).max(0.0);
-        Quantity::FocusShiftUm.check_within(shift_um, -most_um, most_um)?;
-        Ok(())
+        1000.0 * (MAX_FOCUS_FRACTION * nearer_mm - run_out_mm).max(0.0)
     }
 
     /// Returns Δz of a frame: the exposure mean of the run-out plus the exposure's own focus shift.

@@ -77,8 +77,15 @@ pub enum Command {
     /// Exposure time of the frames to come, s.
     Exposure(f32),
     /// Δz of the frames to come beyond the run-out of the stage, µm, positive away from the lens: a
-    /// focus that temperature or pressure has shifted.
+    /// focus that temperature or pressure has shifted. The shift by the focus table of the
+    /// calibration is added to it.
     FocusShift(f32),
+    /// Temperature of the lens, °C: the focus shift of the frames to come is that of the focus
+    /// table at it. It is taken for the present one for
+    /// [`TEMPERATURE_VALID_S`](super::lens_temperature::TEMPERATURE_VALID_S). One that is not a
+    /// number or out of [`TemperatureC`](crate::geometry::range::Quantity::TemperatureC) is no
+    /// temperature, and the last good one stays.
+    Temperature(f32),
 }
 
 /// The supply voltage.

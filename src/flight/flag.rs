@@ -79,11 +79,18 @@ pub enum Flag {
     /// Nothing measures the stage: the motion is that of the steps made, by a stepper
     /// ([`DriveKind::Stepper`](super::drive::kind::DriveKind::Stepper)).
     NotMeasured,
+    /// The calibration has a focus table, and the temperature is outside it: the focus shift is
+    /// that of the nearest row.
+    TemperatureOutside,
+    /// The calibration has a focus table, and the temperature has not been told for
+    /// [`TEMPERATURE_VALID_S`](super::lens_temperature::TEMPERATURE_VALID_S), or not since a reset:
+    /// the focus shift is that of the last one told, or 0 before the first.
+    TemperatureUnknown,
 }
 
 impl Flag {
     /// All flags.
-    pub const ALL: [Self; 32] = [
+    pub const ALL: [Self; 34] = [
         Self::NoCompensation,
         Self::LastGoodVh,
         Self::OffCentre,
@@ -116,6 +123,8 @@ impl Flag {
         Self::AttitudeSilent,
         Self::VhUnconfirmed,
         Self::NotMeasured,
+        Self::TemperatureOutside,
+        Self::TemperatureUnknown,
     ];
 
     /// The name in documents and tables.
@@ -154,6 +163,8 @@ impl Flag {
             Self::AttitudeSilent => "attitude silent",
             Self::VhUnconfirmed => "V/H unconfirmed",
             Self::NotMeasured => "not measured",
+            Self::TemperatureOutside => "temperature outside the table",
+            Self::TemperatureUnknown => "temperature unknown",
         }
     }
 
@@ -204,16 +215,16 @@ impl Flag {
         }
     }
 
-    const fn bit(self) -> u32 {
+    const fn bit(self) -> u64 {
         1 << self as u32
     }
 }
 
-/// A set of flags.
+/// A set of flags. `serde` writes it as one number, each flag 1 << its place in [`Flag::ALL`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Flags {
-    bits: u32,
+    bits: u64,
 }
 
 impl Flags {

@@ -22,6 +22,7 @@ use super::input_levels::InputLevels;
 use super::input_settings::InputSettings;
 use super::settings::FlightSettings;
 use super::time::Time;
+use crate::geometry::range::{OutOfRange, Quantity};
 
 /// A camera that moves a stage, with one drive for all cameras that are loaded and all flights they
 /// are prepared for.
@@ -445,6 +446,10 @@ impl<Drive: FlownDrive> FlownDeck<Drive> {
         if !event.is_told() {
             return Err(NotTaken::NotTold);
         }
+        if let Event::Command(Command::Temperature(celsius)) = event {
+            let checked = Quantity::TemperatureC.check(celsius);
+            checked.map_err(NotTaken::OutOfRange)?;
+        }
         self.events
             .offer(time, event)
             .map_err(|_| NotTaken::QueueFull)
@@ -452,7 +457,7 @@ impl<Drive: FlownDrive> FlownDeck<Drive> {
 }
 
 /// The reason why a camera does not take an event from a message.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum NotTaken {
     /// The camera has not been prepared for flight.
@@ -461,6 +466,8 @@ pub enum NotTaken {
     NotTold,
     /// The queue of the control loop has no place for another event of this kind.
     QueueFull,
+    /// A temperature is not a number or out of range.
+    OutOfRange(OutOfRange),
 }
 
 impl fmt::Display for NotTaken {
@@ -469,6 +476,7 @@ impl fmt::Display for NotTaken {
             Self::NotPrepared => "the camera has not been prepared for flight",
             Self::NotTold => "the camera takes such an event from its own inputs alone",
             Self::QueueFull => "too many events wait for the control loop",
+            Self::OutOfRange(error) => return error.fmt(f),
         })
     }
 }

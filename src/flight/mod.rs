@@ -28,6 +28,7 @@ pub mod input_filter;
 pub mod input_levels;
 pub mod input_settings;
 pub mod interior_orientation;
+pub mod lens_temperature;
 mod play;
 mod play_watch;
 pub mod prepared_camera;

@@ -10,6 +10,7 @@ pub mod estimation;
 pub mod evaluation_form;
 pub mod exposure_distortion;
 pub mod five_coefficient;
+pub mod focus_table;
 pub mod frame_correction;
 pub mod grid;
 pub mod gridded_correction;

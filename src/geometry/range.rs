@@ -167,6 +167,8 @@ quantities! {
     SensorNoiseUm = "sensor_noise_um", 0.0, 100.0;
     SensorFrozenS = "sensor_frozen_s", 0.0, 10.0;
     FollowingSigmaUm = "following_sigma_um", 0.0, 1000.0;
+    TemperatureC = "temperature_c", -100.0, 100.0;
+    FocusTableRows = "rows of the focus table", 2.0, 16.0;
 }
 
 impl Quantity {

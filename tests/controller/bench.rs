@@ -21,7 +21,7 @@ pub(crate) fn camera() -> CameraParameters {
 
 /// The same, validated, with an identity.
 pub(crate) fn identified(camera: &CameraParameters) -> Camera {
-    Camera::identified(*camera, 0xca1, Storage::Volatile).unwrap()
+    Camera::identified(camera, 0xca1, Storage::Volatile).unwrap()
 }
 
 /// Width of the index mark, mm.

@@ -79,6 +79,7 @@ fn events(bench: &Bench) -> Vec<(&'static str, Event)> {
         ("clear fault", Event::Command(Command::ClearFault)),
         ("exposure", Event::Command(Command::Exposure(0.005))),
         ("focus shift", Event::Command(Command::FocusShift(10.0))),
+        ("temperature", Event::Command(Command::Temperature(20.0))),
         ("V/H", Event::Vh(VhSample::Direct(0.1))),
         ("V/H not a number", Event::Vh(VhSample::Direct(f32::NAN))),
         (

@@ -6,6 +6,7 @@ use fmc_camera::flight::exposure::Limits;
 use fmc_camera::flight::stage::RunUp;
 use fmc_camera::geometry::brown::Brown;
 use fmc_camera::geometry::calibration::CalibrationParameters;
+use fmc_camera::geometry::focus_table::FocusTable;
 use fmc_camera::geometry::grid::GridChecksums;
 use fmc_camera::geometry::principal_distance::Flatness;
 use fmc_camera::geometry::sensor::{FmcAxis, SensorPoint};
@@ -39,6 +40,7 @@ pub(crate) fn record() -> CameraParameters {
             exposure_s: [1e-4, 0.1],
         },
         grids: GridChecksums::NONE,
+        focus: FocusTable::NONE,
         serial: SerialNumber::EMPTY,
         version: 0,
     }

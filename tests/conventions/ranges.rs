@@ -26,6 +26,7 @@ fn unit_in(name: &str) -> Option<&'static str> {
         ("_s", "s"),
         ("_kg", "kg"),
         ("_hz", "Hz"),
+        ("_c", "°C"),
         ("_n", "N"),
     ];
     let name = name.split('[').next()?;

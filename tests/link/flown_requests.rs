@@ -14,6 +14,7 @@ use fmc_camera::flight::settings::FlightSettings;
 use fmc_camera::flight::time::Time;
 use fmc_camera::flight::vh::VhSample;
 use fmc_camera::geometry::estimation::options::FitOptions;
+use fmc_camera::geometry::range::Quantity;
 use fmc_camera::io::link::message::{Answer, Grid, Observations, Refusal, Request, ResetCause};
 
 use crate::link::board::{Board, COUNT_AT_START};
@@ -41,6 +42,15 @@ fn only_what_is_told_may_be_told_and_what_finds_no_place_is_refused() {
         Event::Lost(1),
     ] {
         assert_eq!(refused(board.tell(wired)), Refusal::NotTold, "{wired:?}");
+    }
+    for celsius in [f32::NAN, f32::INFINITY, 1000.0, -1000.0] {
+        let told = board.tell(Event::Command(Command::Temperature(celsius)));
+        let Refusal::Settings(range) = refused(told) else {
+            panic!("{celsius} °C");
+        };
+        assert_eq!(range.quantity, Quantity::TemperatureC);
+        assert_eq!((range.min, range.max), (-100.0, 100.0));
+        assert_eq!(range.value.to_bits(), celsius.to_bits());
     }
     let vh = Event::Vh(VhSample::Direct(0.1));
     for _ in 0..4 {

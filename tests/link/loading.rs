@@ -171,11 +171,11 @@ fn parameters_and_parts_that_are_too_long_are_refused() {
     assert_eq!(pc.ask(&part(59, 2)), refused(Refusal::PartTooLong));
     // All of the room there is can be filled.
     assert_eq!(pc.ask(&begin(most)), Answer::Loading(0));
-    for offset in [0, 64, 128] {
+    for offset in [0, 64, 128, 192, 256] {
         assert_eq!(pc.ask(&part(offset, 64)), Answer::Loading(offset + 64));
     }
     assert!(matches!(
-        pc.ask(&part(192, 64)),
+        pc.ask(&part(320, CALIBRATION_CAPACITY - 320)),
         Answer::Refused(Refusal::LoadCrc { .. })
     ));
     assert!((principal_distance_mm(&mut pc) - 51.3712).abs() < 1e-6);

@@ -15,6 +15,7 @@ use fmc_camera::geometry::estimation::fit::Fit;
 use fmc_camera::geometry::estimation::observation::Observation;
 use fmc_camera::geometry::estimation::options::FitOptions;
 use fmc_camera::geometry::five_coefficient::FiveCoefficients;
+use fmc_camera::geometry::focus_table::{FOCUS_ROWS, FocusRow, FocusTable};
 use fmc_camera::geometry::frame_correction::Corrected;
 use fmc_camera::geometry::grid::{GridCarrier, GridChecksums, GridError};
 use fmc_camera::geometry::mesh::format::{MAX_WORD_BYTES, MeshFormat};
@@ -122,6 +123,11 @@ fn longest_record() -> CameraParameters {
         lens: Some(u32::MAX),
         sensor: Some(u32::MAX),
     };
+    let row = FocusRow {
+        temperature_c: 1.0,
+        focus_shift_um: 1.0,
+    };
+    record.focus = FocusTable::new(&[row; FOCUS_ROWS]).unwrap();
     record
 }
 

@@ -37,6 +37,7 @@ mod short_streams;
 mod stored;
 #[path = "../../fuzz/targets.rs"]
 mod targets;
+mod temperature;
 mod trial_bench;
 mod trial_faults;
 mod without_eyes;

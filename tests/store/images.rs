@@ -1,8 +1,11 @@
 //! Flashes of any contents: a start names what is wrong, or uses a record that is whole.
 
 use fmc_camera::flight::calibration_id::SerialNumber;
-use fmc_camera::flight::camera::Camera;
-use fmc_camera::io::store::{FORMAT_VERSION, NothingStored, Origin, SEAL_WORDS, SlotFault};
+use fmc_camera::flight::camera::{Camera, CameraParameters};
+use fmc_camera::geometry::focus_table::{FocusRow, FocusTable};
+use fmc_camera::io::store::{
+    FORMAT_VERSION, NothingStored, OLDEST_FORMAT, Origin, SEAL_WORDS, SlotFault,
+};
 use proptest::prelude::*;
 
 use crate::store::calibrations::{SERIAL, calibration, flash_after, order, origin, store_in};
@@ -286,6 +289,42 @@ fn word_that_cannot_be_read_is_a_fault_of_its_slot_alone() {
 }
 
 #[test]
+fn record_of_the_format_before_is_read_as_it_is() {
+    let mut before = image();
+    before[4..6].copy_from_slice(&OLDEST_FORMAT.to_le_bytes());
+    let before = with_crcs(before);
+    let stored = store_in(flash_of(&before)).load(None).unwrap();
+    assert_eq!(stored.parameters, calibration(7));
+    let mut older = image();
+    older[4..6].copy_from_slice(&(OLDEST_FORMAT - 1).to_le_bytes());
+    let fault = SlotFault::Format(OLDEST_FORMAT - 1);
+    assert_eq!(fault_of(&with_crcs(older)), Some(fault));
+    assert_eq!(
+        fault.to_string(),
+        "the record has format 1; this firmware reads 2 to 3"
+    );
+}
+
+#[test]
+fn calibration_is_stored_with_its_focus_table() {
+    let rows: Vec<FocusRow> = (0..16_u8)
+        .map(|row| FocusRow {
+            temperature_c: f32::from(row) - 8.0,
+            focus_shift_um: 2.5 * f32::from(row),
+        })
+        .collect();
+    let parameters = CameraParameters {
+        focus: FocusTable::new(&rows).unwrap(),
+        ..calibration(7)
+    };
+    let mut store = store_in(flash_after(&[6]));
+    let stored = store.store(&parameters, &order(7), None).unwrap();
+    assert_eq!(stored.parameters, parameters);
+    let mut again = store_in(store.into_flash());
+    assert_eq!(again.load(None).unwrap().parameters, parameters);
+}
+
+#[test]
 fn blank_flash_is_told_from_a_damaged_one() {
     let nothing = store_in(FlashModel::blank()).load(None).unwrap_err();
     assert!(nothing.is_blank());
@@ -305,6 +344,6 @@ fn blank_flash_is_told_from_a_damaged_one() {
 fn image_of_this_format_has_these_bytes() {
     let image = image();
     assert_eq!(&image[..4], b"FMCS");
-    assert_eq!((FORMAT_VERSION, image.len() / WORD), (2, 19));
+    assert_eq!((FORMAT_VERSION, image.len() / WORD), (3, 19));
     assert_eq!(crc_of(&image), 0xa801_c27e);
 }

@@ -148,12 +148,12 @@ fn settings() -> FlightSettings {
 }
 
 /// Returns a camera with an identity.
-fn camera(record: CameraParameters) -> Option<Camera> {
+fn camera(record: &CameraParameters) -> Option<Camera> {
     Camera::identified(record, CALIBRATION_CRC, Storage::Volatile).ok()
 }
 
 fn prepared() -> Option<PreparedCamera> {
-    PreparedCamera::new(camera(flown())?, &settings(), Start::Orderly).ok()
+    PreparedCamera::new(camera(&flown())?, &settings(), Start::Orderly).ok()
 }
 
 /// Kind of an event; the most expensive event of a kind is printed.
@@ -287,19 +287,19 @@ fn events(counter: &mut Counter) -> Option<()> {
 /// Counts whole rounds of the camera with its drive and velocity loop: the mean of a frame cycle,
 /// and the most expensive one.
 fn rounds(counter: &mut Counter) -> Option<()> {
-    let (sum, _) = fly(counter, &[1.0 / 300.0], flown())?;
+    let (sum, _) = fly(counter, &[1.0 / 300.0], &flown())?;
     let rounds = CYCLE_ROUNDS * FRAMES;
     Counter::print("control_round", (rounds, "round"), sum);
-    let (_, most) = fly(counter, &[LONGEST_EXPOSURE_S], flown())?;
+    let (_, most) = fly(counter, &[LONGEST_EXPOSURE_S], &flown())?;
     Counter::print("control_round_worst", (1, "round"), most);
-    let (_, most) = fly(counter, &STUCK_S, flown())?;
+    let (_, most) = fly(counter, &STUCK_S, &flown())?;
     Counter::print("control_round_stuck_shutter", (1, "round"), most);
     Some(())
 }
 
 /// Flies, and returns the cost of all rounds of all frame cycles and that of the most expensive
 /// round.
-fn fly(counter: &mut Counter, open_s: &[f32], record: CameraParameters) -> Option<(u32, u32)> {
+fn fly(counter: &mut Counter, open_s: &[f32], record: &CameraParameters) -> Option<(u32, u32)> {
     let settings = FlightSettings {
         exposure_s: open_s.first()?.min(LONGEST_EXPOSURE_S),
         ..settings()

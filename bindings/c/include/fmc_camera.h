@@ -9,12 +9,12 @@
 /**
  * Most bytes of a calibration.
  */
-#define FMC_BLOB_CAPACITY 256
+#define FMC_BLOB_CAPACITY 336
 
 /**
  * Words of a camera.
  */
-#define FMC_CAMERA_WORDS 48
+#define FMC_CAMERA_WORDS 66
 
 /**
  * Terms of the polynomial of the stage's run-out.
@@ -645,6 +645,10 @@ typedef struct fmc_flight_settings {
    * Motor, encoder and velocity loop.
    */
   struct fmc_drive_settings drive;
+  /**
+   * `FMC_YES` if the frames are corrected by the fitted model of the calibration.
+   */
+  fmc_code fitted_model;
 } fmc_flight_settings;
 
 /**
@@ -838,9 +842,9 @@ typedef struct fmc_record {
    */
   uint32_t faults;
   /**
-   * Flags, 1 << `FMC_FLAG_...`
+   * Flags, 1 << the place of its name among the flags of `docs/integration.md`, section 7.
    */
-  uint32_t flags;
+  uint64_t flags;
   /**
    * `FMC_YES` with a calibration that has an identity.
    */
@@ -1338,6 +1342,18 @@ typedef struct fmc_displacement {
  * number, µs.
  */
 #define FMC_EVENT_LATCHED 26
+
+/**
+ * Focus shift of the frames to come beyond the run-out of the stage: `values[0]`, µm, positive away
+ * from the lens. That of the calibration's focus table is added to it.
+ */
+#define FMC_EVENT_FOCUS_SHIFT 27
+
+/**
+ * Temperature of the lens for the calibration's focus table: `values[0]`, °C, -100 to 100. What is
+ * no such number is not taken, and the last temperature stays.
+ */
+#define FMC_EVENT_TEMPERATURE 28
 
 /**
  * The stage is to follow the set point `values[0]` mm, `values[1]` mm/s, `values[2]` mm/s², now.

@@ -1,7 +1,7 @@
 //! Calibration as bytes: those of the link and of a board's store.
 
 use fmc::flight::camera::CameraParameters;
-use fmc::io::link::loading::Upload;
+use fmc::io::link::loading::{self, Upload};
 use fmc::io::link::{CALIBRATION_CAPACITY, MAX_PART};
 
 use crate::camera::{self, fmc_camera};
@@ -13,7 +13,7 @@ use crate::refusal::{Failure, Refusal};
 use crate::{FMC_ERROR_BYTES, FMC_ERROR_CRC, FMC_ERROR_GRIDS};
 
 /// Most bytes of a calibration.
-pub const FMC_BLOB_CAPACITY: usize = 256;
+pub const FMC_BLOB_CAPACITY: usize = 336;
 
 const _: () = assert!(FMC_BLOB_CAPACITY == CALIBRATION_CAPACITY);
 
@@ -96,10 +96,11 @@ fn read(bytes: &[u8], crc32: u32) -> Result<CameraParameters, Refusal> {
     if bytes.len() > FMC_BLOB_CAPACITY {
         return Err(refused());
     }
-    let (parameters, rest) =
+    let (mut parameters, rest) =
         postcard::take_from_bytes::<CameraParameters>(bytes).map_err(|_| refused())?;
     if !rest.is_empty() {
-        return Err(Failure::of_argument(FMC_ERROR_GRIDS, 2).into());
+        let whole = loading::parameters(bytes).filter(|whole| whole.grids.is_empty());
+        parameters = whole.ok_or(Failure::of_argument(FMC_ERROR_GRIDS, 2))?;
     }
     // Parameters have one form, so that their CRC-32 is that of the bytes.
     let found = Upload::of(&parameters).ok_or_else(refused)?.crc();

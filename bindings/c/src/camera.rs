@@ -4,6 +4,8 @@ use core::ffi::c_char;
 
 use fmc::flight::calibration_id::{self, CalibrationId};
 use fmc::flight::camera::{Camera, CameraParameters};
+use fmc::geometry::focus_table::FocusTable;
+use fmc::geometry::grid::GridChecksums;
 use fmc::io::link::digest;
 
 use crate::camera_record::fmc_camera_record;
@@ -15,7 +17,7 @@ use crate::version::checked;
 use crate::{FMC_ERROR_UNINITIALISED, FMC_SERIAL_LENGTH};
 
 /// Words of a camera.
-pub const FMC_CAMERA_WORDS: usize = 48;
+pub const FMC_CAMERA_WORDS: usize = 66;
 
 /// A validated camera, in storage of the caller; it may be copied.
 #[repr(C)]
@@ -97,8 +99,11 @@ pub unsafe extern "C" fn fmc_camera_init(
         // SAFETY: the caller's promise.
         let record = unsafe { memory::input(record, 2) }?;
         let storage = code::storage(record.storage)?;
+        let mut parameters = record.parameters()?;
+        // A record has neither; said here, the compiler knows.
+        (parameters.grids, parameters.focus) = (GridChecksums::NONE, FocusTable::NONE);
         // SAFETY: the caller's promise; `room` has accepted the storage.
-        unsafe { put(camera, &record.parameters()?, storage) }
+        unsafe { put(camera, &parameters, storage) }
     };
     // SAFETY: the caller's promise.
     unsafe { memory::status(initialised(), error) }
@@ -137,13 +142,18 @@ pub unsafe extern "C" fn fmc_camera_id(
 ///
 /// # Safety
 /// As of [`memory::put`].
+#[expect(
+    clippy::inline_always,
+    reason = "a program whose cameras come from records is without grids and focus table"
+)]
+#[inline(always)]
 pub(crate) unsafe fn put(
     camera: *mut fmc_camera,
     parameters: &CameraParameters,
     storage: calibration_id::Storage,
 ) -> Result<(), Refusal> {
     let crc = digest::of_camera(parameters);
-    match Camera::identified(*parameters, crc, storage) {
+    match Camera::identified(parameters, crc, storage) {
         Ok(made) => {
             // SAFETY: the caller's promise.
             unsafe { memory::put(camera, crc, made) };

@@ -9,6 +9,7 @@ use fmc::flight::stage::RunUp;
 use fmc::geometry::brown::Brown;
 use fmc::geometry::calibration::CalibrationParameters;
 use fmc::geometry::five_coefficient::FiveCoefficients;
+use fmc::geometry::focus_table::FocusTable;
 use fmc::geometry::grid::GridChecksums;
 use fmc::geometry::principal_distance::{FLATNESS_TERMS, Flatness};
 use fmc::geometry::sensor::SensorPoint;
@@ -233,6 +234,8 @@ impl fmc_camera_record {
             serial: serial(&self.serial)?,
             version: self.calibration_version,
             grids: GridChecksums::NONE,
+            // It comes with the bytes of a calibration alone.
+            focus: FocusTable::NONE,
         })
     }
 

@@ -64,6 +64,12 @@ pub const FMC_EVENT_INDEX_MARK: fmc_code = 25;
 /// (after the edge's event) or in an exposure: `values[0]`, mm along the FMC axis, at the time in
 /// number, µs.
 pub const FMC_EVENT_LATCHED: fmc_code = 26;
+/// Focus shift of the frames to come beyond the run-out of the stage: `values[0]`, µm, positive away
+/// from the lens. That of the calibration's focus table is added to it.
+pub const FMC_EVENT_FOCUS_SHIFT: fmc_code = 27;
+/// Temperature of the lens for the calibration's focus table: `values[0]`, °C, -100 to 100. What is
+/// no such number is not taken, and the last temperature stays.
+pub const FMC_EVENT_TEMPERATURE: fmc_code = 28;
 
 /// Numbers of an event.
 pub const FMC_EVENT_VALUES: usize = 6;
@@ -167,6 +173,8 @@ impl fmc_event {
                 time: Time::from_us(self.number),
                 offset_mm: value,
             }),
+            FMC_EVENT_FOCUS_SHIFT => Event::Command(Command::FocusShift(value)),
+            FMC_EVENT_TEMPERATURE => Event::Command(Command::Temperature(value)),
             kind => return Err(unknown(kind)),
         };
         Ok((Time::from_us(self.time_us), event))

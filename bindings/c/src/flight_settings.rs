@@ -173,6 +173,8 @@ pub struct fmc_flight_settings {
     pub disagreement_percent: f32,
     /// Motor, encoder and velocity loop.
     pub drive: fmc_drive_settings,
+    /// `FMC_YES` if the frames are corrected by the fitted model of the calibration.
+    pub fitted_model: fmc_code,
 }
 
 impl Input for fmc_flight_settings {}
@@ -337,6 +339,7 @@ impl From<&FlightSettings> for fmc_flight_settings {
             terrain_height: (&vh.terrain_height).into(),
             disagreement_percent: vh.disagreement_percent,
             drive: (&settings.drive).into(),
+            fitted_model: code::code_of_bool(settings.fitted_model),
         }
     }
 }
@@ -349,7 +352,7 @@ impl fmc_flight_settings {
             inputs: InputSettings::default(),
             // It keeps no flight over a reset.
             flies_on_after_reset: FlightSettings::default().flies_on_after_reset,
-            fitted_model: FlightSettings::default().fitted_model,
+            fitted_model: code::bool_of(self.fitted_model)?,
             exposure_s: self.exposure_s,
             direction: code::direction(self.direction)?,
             smear_budget_px: self.smear_budget_px,

@@ -44,8 +44,8 @@ pub struct fmc_record {
     pub refused_by: fmc_code,
     /// Faults, 1 << the place of its code among all.
     pub faults: u32,
-    /// Flags, 1 << `FMC_FLAG_...`
-    pub flags: u32,
+    /// Flags, 1 << the place of its name among the flags of `docs/integration.md`, section 7.
+    pub flags: u64,
     /// `FMC_YES` with a calibration that has an identity.
     pub has_calibration: fmc_code,
     /// The calibration in use.

@@ -104,20 +104,22 @@ pub(crate) fn faults(bits: u32) -> Result<Faults, Refusal> {
 }
 
 /// Returns the bits of flags, in their order.
-pub(crate) fn flag_bits(flags: Flags) -> u32 {
+pub(crate) fn flag_bits(flags: Flags) -> u64 {
     flags.iter().fold(0, |bits, flag| bits | 1 << flag as u32)
 }
 
 /// Returns the flags of bits.
-pub(crate) fn flags(bits: u32) -> Result<Flags, Refusal> {
+pub(crate) fn flags(bits: u64) -> Result<Flags, Refusal> {
     let mut flags = Flags::NONE;
     for flag in Flag::ALL {
         if bits & (1 << flag as u32) != 0 {
             flags.insert(flag);
         }
     }
-    if flag_bits(flags) != bits {
-        return Err(unknown(bits.cast_signed()));
+    let others = bits & !flag_bits(flags);
+    if others != 0 {
+        // The lowest bit that is no flag, by its place.
+        return Err(unknown(others.trailing_zeros().cast_signed()));
     }
     Ok(flags)
 }

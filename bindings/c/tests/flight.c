@@ -8,6 +8,11 @@
 #define FIRST_TRIGGER 3000u
 #define TRIGGER_EVERY 1500u
 
+/* Focus shift of one frame more, the round in which it is told, and the last round. */
+#define SHIFT_UM 12.5f
+#define SHIFTED_AT 8950u
+#define LAST_ROUND 10400u
+
 static fmc_camera camera;
 static fmc_flight flight;
 static fmc_frame frame;
@@ -81,6 +86,13 @@ static fmc_status make_round(uint32_t number, fmc_error *error) {
   }
   if (status == FMC_OK && (number % 500u) == 5u) {
     status = step(now_us, FMC_EVENT_VH, 0u, 0.1f, error);
+  }
+  if (status == FMC_OK && number == SHIFTED_AT) {
+    /* The calibration has no focus table, in which a temperature would have an effect. */
+    status = step(now_us, FMC_EVENT_TEMPERATURE, 0u, -12.5f, error);
+    if (status == FMC_OK) {
+      status = step(now_us, FMC_EVENT_FOCUS_SHIFT, 0u, SHIFT_UM, error);
+    }
   }
   if (status == FMC_OK && number >= FIRST_TRIGGER && (number % TRIGGER_EVERY) == 0u) {
     status = step(now_us, FMC_EVENT_TRIGGER, 0u, 0.0f, error);
@@ -160,6 +172,26 @@ static fmc_status show(uint32_t sequence, fmc_error *error) {
   return status;
 }
 
+/* Flies one frame more, whose focus is shifted; returns 0 if its record says so. */
+static int shifted(fmc_error *error) {
+  uint32_t number;
+  for (number = ROUNDS + 1u; number <= LAST_ROUND; number++) {
+    if (make_round(number, error) != FMC_OK) {
+      return refused(error);
+    }
+  }
+  if (ready != 5u || fmc_flight_record(&flight, ready, &kept, error) != FMC_OK) {
+    platform_write("no record of the shifted frame\n");
+    return 1;
+  }
+  if (kept.outcome != FMC_EXPOSED || 1000.0f * kept.interior.focus_shift_mm < SHIFT_UM - 0.001f ||
+      1000.0f * kept.interior.focus_shift_mm > SHIFT_UM + 0.001f) {
+    platform_write("focus shift of the record: WRONG\n");
+    return 1;
+  }
+  return 0;
+}
+
 int main(void) {
   fmc_error error;
   fmc_flight_status status;
@@ -191,5 +223,5 @@ int main(void) {
   print_line("actions of triggers", status.triggers, action_bits);
   print_line("records left", status.records, faults);
   print_line("state", (uint32_t)status.state, (uint32_t)status.fault);
-  return status.state == FMC_STATE_ARMED ? 0 : 1;
+  return status.state == FMC_STATE_ARMED ? shifted(&error) : 1;
 }

@@ -200,6 +200,48 @@ static void values(void) {
   }
 }
 
+/* Initialises a camera from `bytes`, whose CRC-32 the first refusal tells. */
+static fmc_status from_bytes(size_t count, fmc_error *error) {
+  fmc_status status = fmc_camera_init_from_blob(&other, bytes, count, 0u, 0, error);
+  if (status != FMC_ERROR_CRC) {
+    return status;
+  }
+  return fmc_camera_init_from_blob(&other, bytes, count, error->number, 0, error);
+}
+
+/* A focus table behind the bytes of a calibration: no grids, two rows of -20 °C, -30 µm and 40 °C,
+ * 16 µm. */
+static void focus_table(size_t count) {
+  static const uint8_t table[19] = {0u, 0u, 2u,    0u, 0u, 0xa0u, 0xc1u, 0u, 0u, 0xf0u,
+                                    0xc1u, 0u, 0u, 0x20u, 0x42u, 0u, 0u, 0x80u, 0x41u};
+  size_t i;
+  for (i = 0u; i < sizeof table; i++) {
+    bytes[count + i] = table[i];
+  }
+  CHECK("blob with a focus table", from_bytes(count + sizeof table, &error), FMC_OK);
+  CHECK("focus table cut", from_bytes(count + sizeof table - 1u, &error), FMC_ERROR_GRIDS);
+  /* The second temperature falls to -40 °C. */
+  bytes[count + 14u] = 0xc2u;
+  CHECK("temperature that falls", from_bytes(count + sizeof table, &error),
+        FMC_ERROR_OUT_OF_RANGE);
+  bytes[count + 2u] = 1u;
+  CHECK("focus table of one row", from_bytes(count + 11u, &error), FMC_ERROR_OUT_OF_RANGE);
+}
+
+static void flight_settings(void) {
+  fmc_flight_settings settings;
+  CHECK("settings",
+        fmc_flight_settings_defaults(&settings, sizeof settings, FMC_CAMERA_VERSION, &error),
+        FMC_OK);
+  settings.fitted_model = 2;
+  CHECK("neither yes nor no",
+        fmc_flight_init(&flight, &camera, &settings, FMC_START_ORDERLY, &error), FMC_ERROR_CODE);
+  settings.fitted_model = FMC_YES;
+  CHECK("flight by a fitted model that is not there",
+        fmc_flight_init(&flight, &camera, &settings, FMC_START_ORDERLY, &error),
+        FMC_ERROR_NOT_FITTED);
+}
+
 static void blobs(void) {
   size_t count = 0u;
   uint32_t crc32 = 0u;
@@ -242,6 +284,7 @@ static void blobs(void) {
   CHECK("blob whole", fmc_camera_init_from_blob(&other, bytes, count, crc32, 0, &error), FMC_OK);
   CHECK("no record in bytes",
         fmc_record_from_bytes(&frame_record, bytes, 2u, crc32, &error), FMC_ERROR_BYTES);
+  focus_table(count);
 }
 
 static void texts(void) {
@@ -292,6 +335,7 @@ int main(void) {
   changed_camera();
   values();
   blobs();
+  flight_settings();
   texts();
   platform_write(failures == 0 ? "all as defined\n" : "NOT AS DEFINED\n");
   return failures;

@@ -58,6 +58,10 @@ function readCamera(library, text) {
     refuse("grid", "", "names residual grids in files of their own, which this page does not read; " +
       "without them the camera corrects otherwise");
   }
+  if (file.focus !== undefined) {
+    refuse("focus", "", "is a focus table over temperature, which this page does not use: take it out of a " +
+      "copy, and enter the focus shift");
+  }
   const tables = { "": {} };
   for (const [key, value] of Object.entries(file)) {
     if (key !== "" && Object.hasOwn(KEYS, key)) {

@@ -96,7 +96,7 @@ fn computed(record: &fmc_camera_record, assumed: &Assumptions) -> Result<Budget,
     let parameters = record.parameters()?;
     let camera = Camera::new(parameters).map_err(Refusal::from)?;
     // Its distortion is that of the motion alone.
-    let flat = Camera::new(without_run_out(parameters)).map_err(Refusal::from)?;
+    let flat = Camera::new(without_run_out(&parameters)).map_err(Refusal::from)?;
     let mut largest = Effects::default();
     let mut budget = Budget::default();
     let mut refusal = None;
@@ -139,8 +139,8 @@ fn computed(record: &fmc_camera_record, assumed: &Assumptions) -> Result<Budget,
     }
 }
 
-fn without_run_out(parameters: CameraParameters) -> CameraParameters {
-    let mut flat = parameters;
+fn without_run_out(parameters: &CameraParameters) -> CameraParameters {
+    let mut flat = *parameters;
     flat.calibration.flatness = Flatness {
         coefficients_um: Default::default(),
     };

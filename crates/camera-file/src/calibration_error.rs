@@ -62,7 +62,8 @@ const fn key_path(quantity: Quantity) -> &'static [&'static str] {
         Quantity::OpeningOffsetMm | Quantity::CentroidOffsetMm | Quantity::TravelMm => {
             &["fmc", "stroke_mm"]
         }
-        Quantity::FocusShiftUm => &["focus_shift_um"],
+        Quantity::FocusShiftUm => &["focus", "focus_shift_um"],
+        Quantity::TemperatureC | Quantity::FocusTableRows => &["focus", "temperature_c"],
         // Of observations, exposures, sources of V/H and settings of a flight: in no camera file.
         _ => &[],
     }

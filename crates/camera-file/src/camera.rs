@@ -10,6 +10,7 @@ use fmc_camera::flight::settings::FlightSettings;
 use fmc_camera::geometry::brown::Brown;
 use fmc_camera::geometry::calibration::{CalibrationError, CalibrationParameters, Polynomial};
 use fmc_camera::geometry::five_coefficient::FiveCoefficients;
+use fmc_camera::geometry::focus_table;
 use fmc_camera::geometry::grid::{GridCarrier, GridChecksums};
 use fmc_camera::geometry::principal_distance::{FLATNESS_TERMS, Flatness};
 use fmc_camera::geometry::range::Quantity;
@@ -23,8 +24,8 @@ use crate::input_error::InputError;
 use crate::limits_table::LimitsTable;
 use crate::number::single;
 use crate::tables::{
-    DistortionTable, FittedTable, FmcTable, GridTable, MechanismName, Profile, SensorTable,
-    ShutterTable, pair,
+    DistortionTable, FittedTable, FmcTable, FocusTable, GridTable, MechanismName, Profile,
+    SensorTable, ShutterTable, pair,
 };
 use crate::text_file;
 use crate::toml_text::TomlText;
@@ -56,6 +57,7 @@ pub struct CameraFile {
     #[serde(default)]
     pub limits: LimitsTable,
     pub fitted: Option<FittedTable>,
+    pub focus: Option<FocusTable>,
     pub grid: Option<GridTable>,
 }
 
@@ -205,6 +207,9 @@ impl CameraFile {
                 &format!("has more than {FLATNESS_TERMS} coefficients"),
             ));
         }
+        if let Some(focus) = &self.focus {
+            focus.check(text)?;
+        }
         if self.shutter.profile == Profile::Uniform {
             for (key, ramp) in [
                 ("opening_fraction", self.shutter.opening_fraction),
@@ -349,6 +354,10 @@ impl CameraFile {
                 .grid
                 .as_ref()
                 .map_or(GridChecksums::NONE, GridTable::checksums),
+            focus: self
+                .focus
+                .as_ref()
+                .map_or(focus_table::FocusTable::NONE, FocusTable::table),
         }
     }
 }

@@ -9,7 +9,7 @@ use fmc_camera::geometry::range::Quantity;
 const DOCUMENT: &str = include_str!("../../../docs/camera-file.md");
 
 /// Tables of the file; `""` is its top.
-const TABLES: [&str; 8] = [
+const TABLES: [&str; 9] = [
     "",
     "sensor",
     "distortion",
@@ -17,6 +17,7 @@ const TABLES: [&str; 8] = [
     "shutter",
     "limits",
     "fitted",
+    "focus",
     "grid",
 ];
 

@@ -45,6 +45,6 @@ pub use grid_files::{GridFiles, GridRefusal};
 pub use input_error::{InputError, InputErrorKind, Place};
 pub use limits_table::LimitsTable;
 pub use tables::{
-    Axis, DistortionTable, FittedTable, FmcTable, GridTable, MechanismName, Per, Profile,
-    SensorTable, ShutterTable, Sign, Strategy,
+    Axis, DistortionTable, FittedTable, FmcTable, FocusTable, GridTable, MechanismName, Per,
+    Profile, SensorTable, ShutterTable, Sign, Strategy,
 };

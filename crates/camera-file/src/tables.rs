@@ -2,12 +2,15 @@
 
 use fmc_camera::flight::stage::RunUp;
 use fmc_camera::geometry::five_coefficient::Regressor;
+use fmc_camera::geometry::focus_table::{self, FOCUS_ROWS, FocusRow};
 use fmc_camera::geometry::grid::GridChecksums;
 use fmc_camera::geometry::sensor::FmcAxis;
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer};
 
-use crate::number::clipped;
+use crate::input_error::InputError;
+use crate::number::{clipped, single};
+use crate::toml_text::TomlText;
 
 /// `[sensor]`.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -292,6 +295,47 @@ impl From<Per> for Regressor {
             Per::Travel => Self::Travel,
             Per::Centroid => Self::Centroid,
         }
+    }
+}
+
+/// `[focus]`: focus shift over temperature, row by row.
+#[derive(Debug, Clone, PartialEq, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[expect(
+    missing_docs,
+    reason = "each field is the key of the same name in the camera file"
+)]
+pub struct FocusTable {
+    pub temperature_c: Vec<f64>,
+    pub focus_shift_um: Vec<f64>,
+}
+
+impl FocusTable {
+    /// Refuses lists of different lengths, or of another number of rows than a table may have.
+    pub(crate) fn check(&self, text: &TomlText) -> Result<(), InputError> {
+        let path = &["focus", "temperature_c"];
+        let (rows, shifts) = (self.temperature_c.len(), self.focus_shift_um.len());
+        if rows != shifts {
+            let fault = format!("has {rows} numbers, focus.focus_shift_um {shifts}");
+            return Err(text.invalid(path, &fault));
+        }
+        if !(2..=FOCUS_ROWS).contains(&rows) {
+            let fault = format!("has {rows} rows; a focus table has 2 to {FOCUS_ROWS}");
+            return Err(text.invalid(path, &fault));
+        }
+        Ok(())
+    }
+
+    /// The table as the camera is given it; empty for lists that [`Self::check`] refuses.
+    pub(crate) fn table(&self) -> focus_table::FocusTable {
+        let lists = self.temperature_c.iter().zip(&self.focus_shift_um);
+        let rows: Vec<FocusRow> = lists
+            .map(|(temperature_c, focus_shift_um)| FocusRow {
+                temperature_c: single(*temperature_c),
+                focus_shift_um: single(*focus_shift_um),
+            })
+            .collect();
+        focus_table::FocusTable::new(&rows).unwrap_or(focus_table::FocusTable::NONE)
     }
 }
 

@@ -50,6 +50,13 @@ pub enum CameraAction {
     /// `prepare` begins with 0.
     #[command(after_help = examples::CAMERA_FOCUS_SHIFT)]
     FocusShift(FocusShiftArgs),
+    /// Tell the camera the temperature of its lens, °C, for the focus table of its calibration: the
+    /// focus shift of the following frames is that of the table, added to that of `focus-shift`.
+    ///
+    /// The camera takes it for the present one for 600 s; then its records have the flag
+    /// `temperature unknown`, and the last one holds.
+    #[command(after_help = examples::CAMERA_TEMPERATURE)]
+    Temperature(TemperatureArgs),
     /// Put another calibration into use between two frames. The flight that the camera is prepared
     /// for goes on: UTC, V/H, counts and records stay, and each record names the calibration that
     /// it was made with.
@@ -135,6 +142,8 @@ pub struct ShutterArgs {
 
 /// Largest focus shift of any camera, µm: `Quantity::FocusShiftUm`.
 const MOST_FOCUS_SHIFT_UM: f64 = 100_000.0;
+/// Largest temperature of a lens, °C: `Quantity::TemperatureC`.
+const MOST_TEMPERATURE_C: f64 = 100.0;
 /// [`MAX_DUTY`](fmc_camera::flight::bring_up::MAX_DUTY), in decimals.
 const MOST_DUTY: f64 = 0.2;
 /// [`MAX_DUTY_S`](fmc_camera::flight::bring_up::MAX_DUTY_S), in decimals.
@@ -163,6 +172,14 @@ pub struct FocusShiftArgs {
     /// camera refuses triggers.
     #[arg(value_name = "UM", value_parser = between(-MOST_FOCUS_SHIFT_UM, MOST_FOCUS_SHIFT_UM), allow_hyphen_values = true)]
     pub shift_um: f64,
+}
+
+/// Arguments of `camera temperature`.
+#[derive(Debug, Args)]
+pub struct TemperatureArgs {
+    /// Temperature of the lens, °C.
+    #[arg(value_name = "C", value_parser = between(-MOST_TEMPERATURE_C, MOST_TEMPERATURE_C), allow_hyphen_values = true)]
+    pub celsius: f64,
 }
 
 /// Arguments of `camera recalibrate`.

@@ -239,6 +239,10 @@ pub(super) const CAMERA_FOCUS_SHIFT: &str = "\
 Examples:
   host-sim camera --device serial:/dev/ttyACM0 focus-shift 12.5";
 
+pub(super) const CAMERA_TEMPERATURE: &str = "\
+Examples:
+  host-sim camera --device serial:/dev/ttyACM0 temperature -12.5";
+
 pub(super) const CAMERA_VH: &str = "\
 Examples:
   host-sim camera --device serial:/dev/ttyACM0 vh 0.1 --for 60

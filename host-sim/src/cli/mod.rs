@@ -37,7 +37,7 @@ pub use calibration::{
 };
 pub use camera::{
     CameraAction, CameraArgs, DutyArgs, ExposureTimeArgs, FocusShiftArgs, JogArgs, PrepareArgs,
-    RecalibrateArgs, ShutterArgs, StatusArgs, StoreArgs, VhArgs,
+    RecalibrateArgs, ShutterArgs, StatusArgs, StoreArgs, TemperatureArgs, VhArgs,
 };
 pub use camera_file::{CameraFileAction, CameraFileArgs};
 pub use campaign::CampaignArgs;

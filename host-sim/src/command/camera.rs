@@ -21,7 +21,7 @@ use fmc_report::camera_status;
 use super::{bring_up, camera_store};
 use crate::cli::{
     CameraAction, CameraArgs, DirectionName, FocusShiftArgs, PrepareArgs, RecalibrateArgs,
-    StatusArgs, VhArgs,
+    StatusArgs, TemperatureArgs, VhArgs,
 };
 use crate::device::DeviceError;
 use crate::device::link_error::LinkError;
@@ -79,6 +79,10 @@ pub(super) fn run(args: &CameraArgs) -> Result<(), Failure> {
         CameraAction::FocusShift(FocusShiftArgs { shift_um }) => {
             let shift_um = single(*shift_um);
             tell(args, Event::Command(Command::FocusShift(shift_um)))
+        }
+        CameraAction::Temperature(TemperatureArgs { celsius }) => {
+            let celsius = single(*celsius);
+            tell(args, Event::Command(Command::Temperature(celsius)))
         }
         CameraAction::Recalibrate(of) => recalibrate(args, of),
         CameraAction::Vh(vh) => tell_vh(args, vh),

@@ -383,6 +383,70 @@ fn pairs_of_three_and_numbers_of_the_mechanism_not_in_use_are_refused() {
 }
 
 #[test]
+fn focus_table_is_refused_by_line_key_and_value() {
+    let lists = |temperatures: &str, shifts: &str| {
+        format!("[focus]\ntemperature_c = [{temperatures}]\nfocus_shift_um = [{shifts}]\n[limits]")
+    };
+    let refused_lists = |temperatures: &str, shifts: &str, words: &[&str]| {
+        refused("[limits]", &lists(temperatures, shifts), words);
+    };
+    refused_lists(
+        "20, 10",
+        "0, 5",
+        &[
+            "focus.temperature_c = [20, 10]",
+            "temperature_c = 10 is outside 20",
+        ],
+    );
+    refused_lists(
+        "20, 20",
+        "0, 5",
+        &["temperature_c = 20 is outside 20.000002 to 100"],
+    );
+    refused_lists(
+        "20, 1000",
+        "0, 5",
+        &["temperature_c = 1000 is outside", "to 100"],
+    );
+    refused_lists(
+        "-1000, 20",
+        "0, 5",
+        &["temperature_c = -1000 is outside -100 to 100"],
+    );
+    refused_lists("20, nan", "0, 5", &["temperature_c = NaN is outside"]);
+    refused_lists(
+        "20, 30",
+        "0, inf",
+        &["focus.focus_shift_um", "focus_shift_um = inf is outside"],
+    );
+    // A hundredth of f, less the run-out.
+    refused_lists(
+        "20, 30",
+        "0, 1001",
+        &["focus_shift_um = 1001 is outside -", "focus.focus_shift_um"],
+    );
+    refused_lists("20", "0", &["has 1 rows; a focus table has 2 to 16"]);
+    refused_lists("20, 30", "0", &["has 2 numbers, focus.focus_shift_um 1"]);
+    let seventeen: Vec<String> = (0..17).map(|row| row.to_string()).collect();
+    let seventeen = seventeen.join(", ");
+    refused_lists(
+        &seventeen,
+        &seventeen,
+        &["has 17 rows; a focus table has 2 to 16"],
+    );
+    refused(
+        "[limits]",
+        "[focus]\ntemperature_k = [1, 2]\nfocus_shift_um = [0, 5]\n[limits]",
+        &["temperature_k", "unknown field"],
+    );
+    refused(
+        "[limits]",
+        "[focus]\ntemperature_c = [1, 2]\n[limits]",
+        &["missing field", "focus_shift_um"],
+    );
+}
+
+#[test]
 fn long_values_are_not_echoed_whole() {
     let camera = CAMERA
         .replace("Test camera", &"x".repeat(100_000))

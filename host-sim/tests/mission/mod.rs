@@ -23,5 +23,7 @@ mod support;
 #[cfg(test)]
 mod sweep;
 #[cfg(test)]
+mod temperature;
+#[cfg(test)]
 mod vh_statistics;
 mod wires;

@@ -39,6 +39,7 @@ impl Controller {
             Command::Exposure(exposure_s) => self.exposure_s = exposure_s,
             // As one beyond what the camera's model holds for.
             Command::FocusShift(shift_um) => self.focus_shift_um = shift_um,
+            Command::Temperature(celsius) => self.temperature.tell(now, celsius),
         }
     }
 

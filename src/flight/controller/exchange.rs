@@ -62,7 +62,7 @@ impl Controller {
             check_camera(camera, setup.settings, exposure_s).map_err(NotExchanged::NotFlyable)?;
         }
         camera
-            .check_focus_shift(self.focus_shift_um)
+            .check_focus_shift(self.focus_shift_with(camera))
             .map_err(|error| NotExchanged::NotFlyable(ControllerError::Travel(error)))
     }
 

@@ -60,6 +60,7 @@ impl Controller {
         }
         self.stage.forget_readings();
         self.aircraft.restart_clock();
+        self.temperature.forget_time();
         self.stop(Fault::Clock, actions);
     }
 

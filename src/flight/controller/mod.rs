@@ -57,6 +57,7 @@ pub use self::status::Counts;
 use super::event::{Action, Event};
 use super::fault::Fault;
 use super::flown_calibrations::FlownCalibrations;
+use super::lens_temperature::LensTemperature;
 use super::stage_track::StagePlace;
 use super::time::Time;
 
@@ -77,8 +78,10 @@ pub struct Controller {
     readiness: Readiness,
     /// Exposure time of the frames to come, s.
     exposure_s: f32,
-    /// Their Δz beyond the run-out of the stage, µm.
+    /// Their Δz beyond the run-out of the stage and the focus table of the calibration, µm.
     focus_shift_um: f32,
+    /// Temperature for the focus table.
+    temperature: LensTemperature,
     /// Those of the camera, for the records.
     calibrations: FlownCalibrations,
     /// Number of the flight, for the records.

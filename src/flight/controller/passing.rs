@@ -3,6 +3,7 @@
 use super::frame::{Asked, Due, Plan};
 use super::setup::Setup;
 use super::{Actions, Controller, act};
+use crate::flight::camera::Camera;
 use crate::flight::event::{Action, ShutterEdge};
 use crate::flight::exposure::Exposure;
 use crate::flight::fault::{Fault, Faults};
@@ -35,7 +36,8 @@ impl Controller {
         trigger: Time,
         fault: Option<Fault>,
     ) -> Result<(), Reason> {
-        setup.camera.check_focus_shift(self.focus_shift_um)?;
+        let focus_shift_um = self.focus_shift_with(setup.camera);
+        setup.camera.check_focus_shift(focus_shift_um)?;
         let held = self.aircraft.vh.held(trigger);
         let vh = held.map(|held| held.estimate(0.0));
         let vh_per_s = vh.map_or(0.0, |vh| vh.vh_per_s);
@@ -44,7 +46,7 @@ impl Controller {
             trigger,
             vh,
             exposure: Exposure {
-                focus_shift_um: self.focus_shift_um,
+                focus_shift_um,
                 ..setup.exposure(vh_per_s, self.exposure_s)
             },
         };
@@ -64,7 +66,14 @@ impl Controller {
         let ahead_s = plan.first_light_s() + 0.5 * asked.exposure.exposure_s;
         asked.vh = held.map(|held| held.estimate(ahead_s));
         self.frame.begin(asked, &plan);
+        let table = setup.camera.focus_table();
+        self.frame.flag_all(self.temperature.flags(table, trigger));
         Ok(())
+    }
+
+    /// Focus shift of the frames to come with a camera, µm: by its table, and as it was told.
+    pub(super) fn focus_shift_with(&self, camera: &Camera) -> f32 {
+        self.focus_shift_um + self.temperature.focus_shift_um(camera.focus_table())
     }
 
     /// Takes an edge of the shutter's sensor.

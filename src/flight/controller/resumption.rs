@@ -7,6 +7,7 @@ use crate::flight::fault::{Fault, Faults};
 use crate::flight::flown_calibrations::{EarlierList, FlownCalibrations};
 use crate::flight::frame_record::{Flags, Outcome, Reason};
 use crate::flight::in_doubt::InDoubt;
+use crate::flight::lens_temperature::LensTemperature;
 use crate::flight::record_log::{Entry, Extent, RecordLog, Slot, Unkept};
 use crate::flight::time::Time;
 
@@ -21,6 +22,8 @@ pub(crate) struct FlightState {
     exposure_bits: u32,
     /// Those of their focus shift, µm.
     focus_shift_bits: u32,
+    /// Those of the temperature of the lens, °C; `None` if none was told.
+    temperature_bits: Option<u32>,
     /// Numbers of triggers, of records with an exposure, of records without, and of edges of the
     /// shutter that the camera had not commanded.
     counts: [u32; 4],
@@ -42,6 +45,7 @@ impl FlightState {
             is_flying: false,
             exposure_bits: 0,
             focus_shift_bits: 0,
+            temperature_bits: None,
             counts: [triggers, exposed, triggers.saturating_sub(exposed), 0],
             lost_events: 0,
             records,
@@ -97,6 +101,7 @@ impl Controller {
             is_flying: self.readiness.is_flying(),
             exposure_bits: self.exposure_s.to_bits(),
             focus_shift_bits: self.focus_shift_um.to_bits(),
+            temperature_bits: self.temperature.bits(),
             counts: self.frame.kept.counts(),
             lost_events: self.readiness.lost_events(),
             records: self.frame.kept.records().extent(),
@@ -135,6 +140,7 @@ impl Controller {
         self.calibrations.take_over(earlier);
         self.exposure_s = f32::from_bits(state.exposure_bits);
         self.focus_shift_um = f32::from_bits(state.focus_shift_bits);
+        self.temperature = LensTemperature::held(state.temperature_bits);
         self.frame.kept.resume(state.counts, &state.records);
         self.readiness.lose(state.lost_events);
         let next = state.records.last_sequence.saturating_add(1);

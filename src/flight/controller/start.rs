@@ -9,6 +9,7 @@ use super::stage::StageMachine;
 use crate::flight::exposure::Limits;
 use crate::flight::fault::{Fault, Faults};
 use crate::flight::flown_calibrations::FlownCalibrations;
+use crate::flight::lens_temperature::LensTemperature;
 use crate::flight::vh::VhSettings;
 
 /// Manner in which the camera came to run.
@@ -38,6 +39,7 @@ impl Controller {
             readiness: Readiness::new(Mode::Standby),
             exposure_s: 0.0,
             focus_shift_um: 0.0,
+            temperature: LensTemperature::UNKNOWN,
             calibrations: FlownCalibrations::new(None),
             flight: 1,
         }
@@ -68,6 +70,7 @@ impl Controller {
             readiness,
             exposure_s,
             focus_shift_um,
+            temperature,
             calibrations,
             flight: _,
         } = self;
@@ -80,6 +83,7 @@ impl Controller {
         }
         *exposure_s = setup.settings.exposure_s;
         *focus_shift_um = 0.0;
+        *temperature = LensTemperature::UNKNOWN;
         *calibrations = FlownCalibrations::new(setup.camera.id());
     }
 

@@ -127,7 +127,8 @@ pub trait FlightDeck {
     ///
     /// # Errors
     /// [`Refusal::OnRig`] on a test rig; [`Refusal::NotPrepared`]; [`Refusal::NotTold`] for an
-    /// event that may not come in a message; [`Refusal::QueueFull`].
+    /// event that may not come in a message; [`Refusal::QueueFull`]; [`Refusal::Settings`] for a
+    /// temperature out of range.
     fn tell(&mut self, event: Event) -> Result<(), Refusal>;
 }
 
@@ -358,6 +359,7 @@ impl<Drive: FlownDrive> FlightDeck for FlownDeck<Drive> {
             NotTaken::NotPrepared => Refusal::NotPrepared,
             NotTaken::NotTold => Refusal::NotTold,
             NotTaken::QueueFull => Refusal::QueueFull,
+            NotTaken::OutOfRange(error) => Refusal::Settings(error),
         })
     }
 }

@@ -2,6 +2,7 @@
 
 use super::after_reset::STEADY_S;
 use super::flight_memory::{FlightMemory, KeptFlight, KeptHead, KeptRecord};
+use super::loading::Whole;
 use crate::flight::camera::CameraParameters;
 use crate::flight::controller::{Controller, FlightState};
 use crate::flight::settings::FlightSettings;
@@ -64,7 +65,7 @@ impl FlightKeeper {
         if let (Some(calibration), Some(settings), Some(())) = (
             controller.calibration(),
             memory.write_settings(settings),
-            memory.write_parameters(parameters, None),
+            memory.write_parameters(&Whole(parameters), None),
         ) {
             self.head.prepared = Some(KeptFlight {
                 calibration,
@@ -85,7 +86,7 @@ impl FlightKeeper {
             return;
         };
         let in_use = Some(kept.calibration.crc);
-        let written = memory.write_parameters(parameters, in_use);
+        let written = memory.write_parameters(&Whole(parameters), in_use);
         if let (Some(calibration), Some(())) = (controller.calibration(), written) {
             kept.calibration = calibration;
             kept.earlier = controller.earlier_calibrations();

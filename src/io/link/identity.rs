@@ -6,6 +6,7 @@ use crate::flight::camera::{CameraParameters, Mechanism};
 use crate::flight::exposure::Limits;
 use crate::geometry::calibration::CalibrationParameters;
 use crate::geometry::five_coefficient::FiveCoefficients;
+use crate::geometry::focus_table::{FocusRow, FocusTable};
 use crate::geometry::grid::GridChecksums;
 use crate::geometry::principal_distance::Flatness;
 use crate::geometry::sensor::SensorPoint;
@@ -24,7 +25,25 @@ pub(super) struct Identity(Digest<'static, u32, Table<0>>);
 
 impl Identity {
     /// Returns the CRC-32 of a camera's parameters.
+    #[expect(
+        clippy::inline_always,
+        reason = "a program whose cameras have neither grids nor focus table is without their code"
+    )]
+    #[inline(always)]
     pub(super) fn of(record: &CameraParameters) -> u32 {
+        let mut sum = Self::of_fields(record);
+        let CameraParameters { grids, focus, .. } = record;
+        if !grids.is_empty() || !focus.is_empty() {
+            sum.checksums(*grids);
+        }
+        if !focus.is_empty() {
+            sum.focus_table(focus);
+        }
+        sum.0.finalize()
+    }
+
+    /// Returns the sum over all that a camera without grids and focus table has.
+    fn of_fields(record: &CameraParameters) -> Self {
         static SUM: Crc<u32, Table<0>> = CRC;
         let mut sum = Self(SUM.digest());
         let CameraParameters {
@@ -34,7 +53,8 @@ impl Identity {
             limits,
             serial,
             version,
-            grids,
+            grids: _,
+            focus: _,
         } = record;
         sum.calibration(calibration);
         sum.mechanism(mechanism);
@@ -56,16 +76,30 @@ impl Identity {
         sum.numbers(exposure_s);
         sum.0.update(serial.padded());
         sum.whole(*version);
-        if !grids.is_empty() {
-            let GridChecksums { lens, sensor } = *grids;
-            for crc in [lens, sensor] {
-                sum.byte(u8::from(crc.is_some()));
-                if let Some(crc) = crc {
-                    sum.whole(crc);
-                }
+        sum
+    }
+
+    fn checksums(&mut self, grids: GridChecksums) {
+        let GridChecksums { lens, sensor } = grids;
+        for crc in [lens, sensor] {
+            self.byte(u8::from(crc.is_some()));
+            if let Some(crc) = crc {
+                self.whole(crc);
             }
         }
-        sum.0.finalize()
+    }
+
+    fn focus_table(&mut self, table: &FocusTable) {
+        let rows = table.rows();
+        // There are 16 at most.
+        self.byte(u8::try_from(rows.len()).unwrap_or(0));
+        for row in rows {
+            let FocusRow {
+                temperature_c,
+                focus_shift_um,
+            } = *row;
+            self.numbers(&[temperature_c, focus_shift_um]);
+        }
     }
 
     fn calibration(&mut self, calibration: &CalibrationParameters) {
@@ -174,11 +208,12 @@ mod tests {
     use crate::geometry::brown::Brown;
     use crate::geometry::calibration::CalibrationParameters;
     use crate::geometry::five_coefficient::{FiveCoefficients, Regressor};
+    use crate::geometry::focus_table::{FOCUS_ROWS, FocusRow, FocusTable};
     use crate::geometry::grid::GridChecksums;
     use crate::geometry::principal_distance::Flatness;
     use crate::geometry::sensor::{FmcAxis, SensorPoint};
     use crate::geometry::shutter::ShutterProfile;
-    use crate::io::link::loading::Upload;
+    use crate::io::link::loading::{Upload, parameters};
 
     prop_compose! {
         fn calibrations()(
@@ -250,7 +285,16 @@ mod tests {
             version: u32,
             lens: Option<u32>,
             sensor: Option<u32>,
+            focus in proptest::option::of(prop::collection::vec(any::<[f32; 2]>(), 2..=FOCUS_ROWS)),
         ) {
+            let rows: std::vec::Vec<FocusRow> = focus
+                .iter()
+                .flatten()
+                .map(|&[temperature_c, focus_shift_um]| FocusRow {
+                    temperature_c,
+                    focus_shift_um,
+                })
+                .collect();
             let record = CameraParameters {
                 calibration,
                 mechanism,
@@ -264,9 +308,11 @@ mod tests {
                 serial: SerialNumber::new(&serial).unwrap(),
                 version,
                 grids: GridChecksums { lens, sensor },
+                focus: FocusTable::new(&rows).unwrap_or(FocusTable::NONE),
             };
             let upload = Upload::of(&record).unwrap();
             prop_assert_eq!(Identity::of(&record), upload.crc());
+            prop_assert_eq!(parameters(upload.bytes()), Some(record));
         }
     }
 }

@@ -13,14 +13,37 @@
 //! that is there already need not come again: where one is missing, the last part of the parameters
 //! is refused ([`GridMemoryError::Missing`](crate::flight::grid_memory::GridMemoryError::Missing))
 //! and the calibration before stays, with its grids.
+//!
+//! Behind the [`GridChecksums`], which are both `None` in a camera without grids, stands the
+//! [`FocusTable`] of a camera that has one.
 
 use heapless::Vec;
+use serde::{Serialize, Serializer};
 
 use super::message::{Part, Refusal, Request};
 use super::packet::CRC;
 use super::{CALIBRATION_CAPACITY, MAX_GRID_PART, MAX_PART};
 use crate::flight::camera::CameraParameters;
+use crate::geometry::focus_table::FocusTable;
 use crate::geometry::grid::{GridChecksums, ResidualGrid};
+
+/// Parameters of a camera with what stands behind them.
+pub(super) struct Whole<'a>(pub(super) &'a CameraParameters);
+
+impl Serialize for Whole<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let Self(parameters) = self;
+        let CameraParameters { grids, focus, .. } = parameters;
+        // A tuple is its elements, one behind the other.
+        if !focus.is_empty() {
+            (parameters, grids, focus).serialize(serializer)
+        } else if !grids.is_empty() {
+            (parameters, grids).serialize(serializer)
+        } else {
+            parameters.serialize(serializer)
+        }
+    }
+}
 
 /// A camera's parameters as the PC sends them.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -35,11 +58,8 @@ impl Upload {
     #[must_use]
     pub fn of(record: &CameraParameters) -> Option<Self> {
         let mut buffer = [0; CALIBRATION_CAPACITY];
-        let mut bytes = Vec::from_slice(postcard::to_slice(record, &mut buffer).ok()?).ok()?;
-        if !record.grids.is_empty() {
-            let grids = postcard::to_slice(&record.grids, &mut buffer).ok()?;
-            bytes.extend_from_slice(grids).ok()?;
-        }
+        let bytes = postcard::to_slice(&Whole(record), &mut buffer).ok()?;
+        let bytes = Vec::from_slice(bytes).ok()?;
         Some(Self {
             crc: CRC.checksum(&bytes),
             bytes,
@@ -225,14 +245,18 @@ impl Loading {
 #[must_use]
 pub fn parameters(bytes: &[u8]) -> Option<CameraParameters> {
     let (mut record, rest) = postcard::take_from_bytes::<CameraParameters>(bytes).ok()?;
-    if !rest.is_empty() {
-        // A camera without grids has nothing here, so that it has one CRC-32.
-        record.grids = match postcard::take_from_bytes::<GridChecksums>(rest) {
-            Ok((grids, [])) if !grids.is_empty() => grids,
-            _ => return None,
-        };
+    // Parts that a camera does not have are not there, so that it has one CRC-32.
+    if rest.is_empty() {
+        return Some(record);
     }
-    Some(record)
+    let (grids, rest) = postcard::take_from_bytes::<GridChecksums>(rest).ok()?;
+    record.grids = grids;
+    if rest.is_empty() {
+        return (!grids.is_empty()).then_some(record);
+    }
+    let (focus, rest) = postcard::take_from_bytes::<FocusTable>(rest).ok()?;
+    record.focus = focus;
+    (rest.is_empty() && !focus.is_empty()).then_some(record)
 }
 
 /// A number of bytes; all are less than those of the largest grid.

@@ -80,9 +80,9 @@ pub const MAX_OBSERVATIONS: usize = 40;
 /// Most bytes of a camera's parameters, as `postcard` writes a
 /// [`CameraParameters`](crate::flight::camera::CameraParameters): the camera keeps them until they
 /// are complete.
-pub const CALIBRATION_CAPACITY: usize = 256;
+pub const CALIBRATION_CAPACITY: usize = 336;
 
-/// Most bytes of a camera's parameters in one message. A calibration comes in two or three, so that
+/// Most bytes of a camera's parameters in one message. A calibration comes in two to five, so that
 /// every one that is loaded shows that parts are put together.
 pub const MAX_PART: usize = 64;
 

@@ -79,7 +79,7 @@ pub enum Refusal {
     Fit(FitError),
     /// The camera has not been prepared for flight.
     NotPrepared,
-    /// A setting of the flight is out of its range.
+    /// A setting of the flight, or a temperature that is told, is out of its range.
     Settings(OutOfRange),
     /// The mechanism cannot make the travel, or not in the time between triggers.
     Travel(FrameError),

@@ -447,7 +447,7 @@ impl<Deck: FlightDeck> Responder<Deck> {
                     return Ok(Answer::Loading(self.loading.received()));
                 }
                 let (record, crc) = self.loading.finish()?;
-                self.load(record, crc, Storage::Volatile, keeps_flight)
+                self.load(&record, crc, Storage::Volatile, keeps_flight)
                     .map(Answer::Loaded)
             }
             Request::GridPart(part) => {
@@ -465,14 +465,14 @@ impl<Deck: FlightDeck> Responder<Deck> {
     /// otherwise it ends.
     pub(super) fn load(
         &mut self,
-        record: CameraParameters,
+        record: &CameraParameters,
         crc: u32,
         storage: Storage,
         keeps_flight: bool,
     ) -> Result<CalibrationId, Refusal> {
         let loaded = self.put_into_use(record, crc, storage, keeps_flight)?;
         match self.deck.controller() {
-            Some(controller) => self.keeper.exchange(&record, controller),
+            Some(controller) => self.keeper.exchange(record, controller),
             None => self.keeper.end(),
         }
         Ok(loaded)
@@ -488,7 +488,7 @@ impl<Deck: FlightDeck> Responder<Deck> {
 
     pub(super) fn put_into_use(
         &mut self,
-        record: CameraParameters,
+        record: &CameraParameters,
         crc: u32,
         storage: Storage,
         keeps_flight: bool,
@@ -503,7 +503,7 @@ impl<Deck: FlightDeck> Responder<Deck> {
         } else {
             self.deck.load(camera);
         }
-        self.shelf.in_use = Some(record);
+        self.shelf.in_use = Some(*record);
         self.frame = None;
         self.fitting.end();
         Ok(CalibrationId {

@@ -110,7 +110,7 @@ impl<Deck: FlightDeck> Station<Deck> {
     ) -> Result<CalibrationId, Refusal> {
         deck::check_over(&self.responder.deck)?;
         let crc = digest::of_camera(record);
-        self.responder.load(*record, crc, storage, false)
+        self.responder.load(record, crc, storage, false)
     }
 
     /// Puts the calibration into use that a store holds, at the start, and returns what was found.

@@ -101,6 +101,6 @@ impl<Deck: FlightDeck> Responder<Deck> {
         parameters: &CameraParameters,
     ) -> Result<CalibrationId, Refusal> {
         let crc = digest::of_camera(parameters);
-        self.load(*parameters, crc, Storage::Stored, true)
+        self.load(parameters, crc, Storage::Stored, true)
     }
 }

@@ -4,11 +4,12 @@ use super::after_reset::{AfterReset, FlightAfterReset, RESETS_IN_A_ROW, WithoutE
 use super::deck::FlightDeck;
 use super::digest;
 use super::flight_memory::{FlightMemory, KeptFlight, KeptHead};
+use super::loading;
 use super::message::{Refusal, ResetCause};
 use super::packet::CRC;
 use super::responder::Responder;
 use crate::flight::calibration_id::{CalibrationId, Storage};
-use crate::flight::camera::{Camera, CameraParameters};
+use crate::flight::camera::Camera;
 use crate::flight::controller::Controller;
 use crate::flight::record_log::{CAPACITY, SLOTS};
 use crate::flight::settings::FlightSettings;
@@ -163,13 +164,13 @@ impl<Deck: FlightDeck> Responder<Deck> {
         if flight.has_grids {
             return Err(FlightAfterReset::NoGrids);
         }
-        let parameters = memory.parameters::<CameraParameters>(calibration.crc);
+        let parameters = memory.parameters(calibration.crc, loading::parameters);
         let parameters = parameters.ok_or(FlightAfterReset::NoCalibration)?;
         if digest::of_camera(&parameters) != calibration.crc {
             return Err(FlightAfterReset::NoCalibration);
         }
         let loaded: Result<CalibrationId, Refusal> =
-            self.put_into_use(parameters, calibration.crc, Storage::Volatile, false);
+            self.put_into_use(&parameters, calibration.crc, Storage::Volatile, false);
         match loaded {
             Ok(loaded) if loaded == *calibration => Ok(()),
             _ => Err(FlightAfterReset::NoCalibration),

@@ -39,12 +39,12 @@ pub struct StoredCalibration {
 }
 
 impl StoredCalibration {
-    fn new(parameters: CameraParameters, head: Head, (slot, store): (usize, u32)) -> Self {
+    fn new(parameters: &CameraParameters, head: Head, (slot, store): (usize, u32)) -> Self {
         let identity = StoredIdentity {
             id: CalibrationId {
                 serial: parameters.serial,
                 version: parameters.version,
-                crc: digest::of_camera(&parameters),
+                crc: digest::of_camera(parameters),
                 storage: Storage::Stored,
             },
             origin: head.origin,
@@ -56,7 +56,7 @@ impl StoredCalibration {
             is_sealed: true,
         };
         Self {
-            parameters,
+            parameters: *parameters,
             identity,
         }
     }
@@ -214,7 +214,7 @@ impl<F: NorFlash, V: SignatureVerifier> CalibrationStore<F, V> {
                 return Ok(found.stored(true));
             }
         }
-        let stored = StoredCalibration::new(*parameters, head, (target, sequence));
+        let stored = StoredCalibration::new(parameters, head, (target, sequence));
         let slot = stored.identity.slot;
         self.write(target, &body, commit)
             .map_err(|step| NotStored::Flash { slot, step })?;
@@ -395,7 +395,7 @@ impl Found {
     fn stored(self, is_sealed: bool) -> StoredCalibration {
         let Record { head, parameters } = self.record;
         let place = (self.slot, self.commit.sequence);
-        let mut stored = StoredCalibration::new(parameters, head, place);
+        let mut stored = StoredCalibration::new(&parameters, head, place);
         stored.identity.other = self.other.err();
         stored.identity.is_sealed = is_sealed;
         stored

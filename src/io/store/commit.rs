@@ -1,7 +1,7 @@
 //! Commit word: the first of a slot, and the last that is written of a record.
 
 use super::fault::SlotFault;
-use super::layout::{FORMAT_VERSION, MAX_BODY_WORDS};
+use super::layout::{FORMAT_VERSION, MAX_BODY_WORDS, OLDEST_FORMAT};
 use super::slot::{BLANK, Word};
 use crate::io::link::packet::CRC;
 
@@ -78,7 +78,7 @@ impl Commit {
             return Err(SlotFault::CommitCrc { stored, computed });
         }
         let version = u16::from_le_bytes([f0, f1]);
-        if version != FORMAT_VERSION {
+        if !(OLDEST_FORMAT..=FORMAT_VERSION).contains(&version) {
             return Err(SlotFault::Format(version));
         }
         let words = u16::from_le_bytes([w0, w1]);
@@ -133,8 +133,12 @@ mod tests {
             word[28..].copy_from_slice(&crc);
             Commit::parse(&word)
         };
-        let other = FORMAT_VERSION + 1;
-        assert_eq!(with(other, 14), Err(SlotFault::Format(other)));
+        for other in [OLDEST_FORMAT - 1, FORMAT_VERSION + 1] {
+            assert_eq!(with(other, 14), Err(SlotFault::Format(other)));
+        }
+        for read in OLDEST_FORMAT..=FORMAT_VERSION {
+            assert_eq!(with(read, 14).map(|commit| commit.words), Ok(14));
+        }
         assert_eq!(with(FORMAT_VERSION, 0), Err(SlotFault::Length(0)));
         let long = MAX_BODY_WORDS + 1;
         assert_eq!(with(FORMAT_VERSION, long), Err(SlotFault::Length(long)));

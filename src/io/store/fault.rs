@@ -5,7 +5,7 @@ use core::fmt;
 use serde::{Deserialize, Serialize};
 
 use super::authentication::Permission;
-use super::layout::{FORMAT_VERSION, MAX_BODY_WORDS};
+use super::layout::{FORMAT_VERSION, MAX_BODY_WORDS, OLDEST_FORMAT};
 use super::origin::OriginError;
 use crate::flight::calibration_id::SerialNumber;
 use crate::flight::camera::FrameError;
@@ -89,7 +89,7 @@ impl fmt::Display for SlotFault {
             ),
             Self::Format(version) => write!(
                 f,
-                "the record has format {version}; this firmware reads {FORMAT_VERSION}"
+                "the record has format {version}; this firmware reads {OLDEST_FORMAT} to {FORMAT_VERSION}"
             ),
             Self::Length(words) => write!(
                 f,

@@ -16,7 +16,10 @@ pub const SEAL_WORDS: u16 = 7;
 
 /// Version of the format of a record. It changes whenever body or parameters do; the commit word
 /// keeps its layout in every version, so that a firmware names a record that it cannot read.
-pub const FORMAT_VERSION: u16 = 2;
+pub const FORMAT_VERSION: u16 = 3;
+
+/// Oldest version that is read, too: in version 3 a focus table may stand behind the parameters.
+pub const OLDEST_FORMAT: u16 = 2;
 
 /// Most bytes of an origin: its texts with their lengths.
 pub(super) const ORIGIN_BYTES: usize = 3 + LENS_BYTES + LABORATORY_BYTES + DATE_BYTES;

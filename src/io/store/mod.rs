@@ -73,7 +73,8 @@ pub use authentication::{Authentication, Permission, Signature, SignatureVerifie
 pub use calibration_store::{CalibrationStore, StoredCalibration};
 pub use fault::{NotStored, NothingStored, SlotFault, StoreStep};
 pub use layout::{
-    FORMAT_VERSION, LayoutError, MAX_BODY_WORDS, MAX_SLOT_BYTES, SEAL_WORDS, WORD_BYTES,
+    FORMAT_VERSION, LayoutError, MAX_BODY_WORDS, MAX_SLOT_BYTES, OLDEST_FORMAT, SEAL_WORDS,
+    WORD_BYTES,
 };
 pub use origin::{DATE_BYTES, LABORATORY_BYTES, LENS_BYTES, Origin, OriginError};
 #[cfg(feature = "store")]

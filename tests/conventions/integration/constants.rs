@@ -7,6 +7,7 @@ use fmc_camera::flight::controller::timing::{
     READING_GAP_S, READING_WITHIN_S, READINGS_CEASE_S, REMEMBERED_ROUNDS, SETTLED_ROUNDS,
     SHUTTER_GIVEN_UP_S, SHUTTER_MISSING_S, STAMP_SIGMA_S, STANDING_S, TICK_S, UNLEARNED_TOLERANCE,
 };
+use fmc_camera::flight::lens_temperature::TEMPERATURE_VALID_S;
 use fmc_camera::flight::record_log::CAPACITY;
 use fmc_camera::flight::round_guard::LONGEST_ROUND_US;
 
@@ -43,6 +44,7 @@ fn documented_constants_are_those_of_the_code() {
         ("LONGEST_GAP", LONGEST_GAP.to_string()),
         ("MAX_EVENTS", MAX_EVENTS.to_string()),
         ("LONGEST_ROUND_US", LONGEST_ROUND_US.to_string()),
+        ("TEMPERATURE_VALID_S", TEMPERATURE_VALID_S.to_string()),
         ("CAPACITY", CAPACITY.to_string()),
     ];
     let documented: Vec<_> = rows("constant")

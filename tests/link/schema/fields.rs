@@ -9,7 +9,7 @@ use serde_reflection::{ContainerFormat, Registry, VariantFormat};
 use syn::{Attribute, Expr, ExprLit, Fields, Item, Lit, Meta};
 
 /// Endings of names that state a unit, with the unit; longer ones first.
-const UNITS: [(&str, &str); 29] = [
+const UNITS: [(&str, &str); 30] = [
     ("_per_mm_s2", "s²/mm"),
     ("_per_mm_s", "s/mm"),
     ("_percent", "%"),
@@ -39,11 +39,12 @@ const UNITS: [(&str, &str); 29] = [
     ("_m", "m"),
     ("_s", "s"),
     ("_n", "N"),
+    ("_c", "°C"),
 ];
 
 /// Units that documentation states in place of the name, behind a comma.
-const STATED: [&str; 12] = [
-    "mm", "mm⁻¹", "mm⁻²", "mm⁻⁴", "mm⁻⁶", "µm", "µs", "ppm", "bytes", "px", "1/s", "s",
+const STATED: [&str; 13] = [
+    "mm", "mm⁻¹", "mm⁻²", "mm⁻⁴", "mm⁻⁶", "µm", "µs", "ppm", "bytes", "px", "1/s", "s", "°C",
 ];
 
 /// Documentation of a type's fields or variants, by their names.

@@ -29,6 +29,10 @@ fn schema() -> String {
         "request": "Request",
         "answer": "Answer",
         "parameters": "CameraParameters",
+        "behind_parameters": [
+            { "TYPENAME": "GridChecksums" },
+            { "SEQ": { "TYPENAME": "FocusRow" } },
+        ],
         "limits": {
             "points": MAX_POINTS,
             "observations": MAX_OBSERVATIONS,
@@ -92,6 +96,8 @@ fn fields_with_a_unit_have_it_in_the_schema() {
         ("ClockDrift.drift_ppm", "ppm"),
         ("Request.BeginLoad.length", "bytes"),
         ("Brown.k2", "mm⁻⁴"),
+        ("FocusRow.temperature_c", "°C"),
+        ("FocusRow.focus_shift_um", "µm"),
         ("ExposedFrame.planned_travel_mm", "mm"),
     ] {
         let found = schema["notes"][field]["unit"].as_str().unwrap_or_default();

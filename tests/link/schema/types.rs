@@ -21,8 +21,9 @@ use fmc_camera::geometry::estimation::fit::FitError;
 use fmc_camera::geometry::estimation::options::StaticDecentring;
 use fmc_camera::geometry::estimation::parameter::Parameter;
 use fmc_camera::geometry::five_coefficient::Regressor;
+use fmc_camera::geometry::focus_table::FocusRow;
 use fmc_camera::geometry::frame_correction::Terms;
-use fmc_camera::geometry::grid::{GridCarrier, GridError};
+use fmc_camera::geometry::grid::{GridCarrier, GridChecksums, GridError};
 use fmc_camera::geometry::inverse::DistortError;
 use fmc_camera::geometry::mesh::format::{MeshFormat, PixelAxis};
 use fmc_camera::geometry::mesh::vertex::MeshError;
@@ -51,6 +52,8 @@ pub(super) fn registry() -> Registry {
         };
     }
     trace!(Header, Request, Answer, CameraParameters);
+    // Behind the parameters.
+    trace!(GridChecksums, FocusRow);
     // Each enumeration: only the first variant of one within another message is found from there.
     trace!(
         Action,

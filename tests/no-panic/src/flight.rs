@@ -75,6 +75,7 @@ pub(crate) fn keep() {
         Camera::id,
         Camera::bounded_by,
         Camera::grid_checksums,
+        Camera::focus_table,
         Camera::plan,
         Camera::motion,
         Camera::frame,

@@ -118,6 +118,14 @@ fn optional_rows(file: &CameraFile) -> Vec<Row> {
             ("fitted", "per", text(fitted.per.name())),
         ]);
     }
+    if let Some(focus) = &file.focus {
+        for (key, values) in [
+            ("temperature_c", &focus.temperature_c),
+            ("focus_shift_um", &focus.focus_shift_um),
+        ] {
+            rows.push(("focus", key, Value::Numbers(values.clone())));
+        }
+    }
     if let Some(grid) = &file.grid {
         for (key, value) in [
             ("lens", &grid.lens),

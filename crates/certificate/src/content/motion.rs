@@ -3,7 +3,7 @@
 use fmc_camera::flight::camera::{Camera, Frame, FrameError};
 use fmc_camera::flight::exposure::Exposure;
 use fmc_camera_file::number::single;
-use fmc_camera_file::{CameraFile, MechanismName, Profile};
+use fmc_camera_file::{CameraFile, FocusTable, MechanismName, Profile};
 use fmc_reference::exposure::ExposureRequest;
 use fmc_reference::lens::Lens;
 use fmc_reference::residual_splines::ResidualSplines;
@@ -46,6 +46,9 @@ pub struct Motion {
     pub first_transfer: Option<Stated>,
     /// Run-out of the stage, µm per power of mm, lowest power first.
     pub run_out_um: Vec<Option<Stated>>,
+    /// Focus table: temperature of the lens, °C, and focus shift, µm; empty without.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub focus: Vec<[Option<Stated>; 2]>,
     /// Shape of the shutter's transmission.
     pub shutter: &'static str,
     /// Opening and closing ramps as shares of the exposure.
@@ -149,6 +152,7 @@ impl Motion {
                 .iter()
                 .map(|um| Stated::exact(*um))
                 .collect(),
+            focus: camera.focus.iter().flat_map(focus_rows).collect(),
             shutter,
             ramps: ramps.map(Stated::exact),
             vh_per_s: camera.limits.vh_per_s.map(|vh| Stated::digits(vh, 6)),
@@ -157,6 +161,12 @@ impl Motion {
             reach: vh.iter().map(|vh| reach(camera, checked, *vh)).collect(),
         }
     }
+}
+
+/// Returns the rows of a focus table.
+fn focus_rows(table: &FocusTable) -> impl Iterator<Item = [Option<Stated>; 2]> {
+    let rows = table.temperature_c.iter().zip(&table.focus_shift_um);
+    rows.map(|(celsius, shift_um)| [*celsius, *shift_um].map(Stated::exact))
 }
 
 /// Returns numbers spread over a range by equal ratios, the inner ones rounded to two digits, in

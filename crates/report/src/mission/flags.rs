@@ -79,6 +79,12 @@ pub(super) const fn meaning(flag: Flag) -> &'static str {
         Flag::NotMeasured => {
             "nothing measures the stage: the motion is that of the steps that were made, by a stepper"
         }
+        Flag::TemperatureOutside => {
+            "the temperature is outside the focus table: the focus shift is that of the nearest row"
+        }
+        Flag::TemperatureUnknown => {
+            "no temperature was told for TEMPERATURE_VALID_S, or none since a reset: the focus shift is that of the last one, 0 before the first"
+        }
         Flag::VhUnconfirmed => {
             "V/H comes from a source that has jumped and that no other has confirmed"
         }

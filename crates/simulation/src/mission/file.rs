@@ -38,6 +38,7 @@ pub struct MissionFile {
     pub mechanics: MechanicsSettings,
     #[serde(default)]
     pub detector: DetectorTable,
+    pub temperature: Option<TemperatureTable>,
     #[serde(default)]
     pub limits: MissionLimitsTable,
     #[serde(default)]
@@ -343,6 +344,28 @@ impl Default for MissionShutterTable {
 )]
 pub struct DetectorTable {
     pub run_out_um: [f64; 4],
+}
+
+/// `[temperature]`.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[expect(
+    missing_docs,
+    reason = "each field is the key of the same name in the scenario"
+)]
+pub struct TemperatureTable {
+    pub start_c: f64,
+    #[serde(default)]
+    pub rate_c_per_s: f64,
+    #[serde(default)]
+    pub told_every_s: f64,
+    pub focus_shift_um: [f64; 4],
+    #[serde(default = "one")]
+    pub limit_um: f64,
+}
+
+const fn one() -> f64 {
+    1.0
 }
 
 /// `[limits]`.

@@ -33,6 +33,10 @@ const CLOCK_CORNER: Range = range(0.0001, 1.0, "Hz");
 const SEED: Range = range(0.0, 2_147_483_647.0, "");
 const UNIX_S: Range = range(0.0, 2_147_483_647.0, "s since 1970");
 const RUN_OUT: Range = range(-1000.0, 1000.0, "µm");
+const TEMPERATURE: Range = range(-100.0, 100.0, "°C");
+const TEMPERATURE_RATE: Range = range(-10.0, 10.0, "°C/s");
+const TOLD_EVERY: Range = range(0.0, 10_000.0, "s");
+const FOCUS_LIMIT: Range = range(0.001, 1000.0, "µm");
 const PIXELS: Range = range(0.001, 100.0, "px");
 
 /// Refuses the first number of the mission that is out of its range; faults and mechanics are
@@ -94,6 +98,15 @@ pub(super) fn check_numbers(mission: &MissionFile, text: &TomlText) -> Result<()
     }
     if let Some(gnss) = &mission.gnss {
         check!(text: gnss.first_pulse_unix_s UNIX_S, gnss.pulse_jitter_us STAMP_JITTER);
+    }
+    if let Some(temperature) = &mission.temperature {
+        check!(text:
+            temperature.start_c TEMPERATURE,
+            temperature.rate_c_per_s TEMPERATURE_RATE,
+            temperature.told_every_s TOLD_EVERY,
+            temperature.focus_shift_um RUN_OUT,
+            temperature.limit_um FOCUS_LIMIT,
+        );
     }
     mission.seed.check(SEED, text, &["seed"])?;
     check_clearance(text, flight.height_m, terrain.height_m, terrain.relief_m)

@@ -3,7 +3,7 @@
 mod in_progress;
 
 use fmc_camera::flight::controller::state::State;
-use fmc_camera::flight::event::{Action, Event, Supply};
+use fmc_camera::flight::event::{Action, Command, Event, Supply};
 use fmc_camera::flight::frame_record::{FrameRecord, Outcome};
 use fmc_camera::flight::rig::{RigAnswer, RigStep};
 use fmc_camera::flight::stage::Setpoint;
@@ -18,6 +18,7 @@ use super::fault::stage::mechanical;
 use super::fault::trigger::with_overlaps;
 use super::fault::{InjectedFault, Injection, active};
 use super::flown::{Flown, FlownFrame};
+use super::lens::Thermometer;
 use super::light::Light;
 use super::operator::Operator;
 use super::oracle::Oracle;
@@ -103,6 +104,7 @@ pub struct Flight<D> {
     light: Light,
     line: SerialLine,
     operator: Operator,
+    thermometer: Thermometer,
     tracer: Tracer,
     /// Triggers without those that a fault adds, µs of true time.
     regular_us: Vec<u64>,
@@ -170,6 +172,7 @@ impl<D: FlyingDevice> Flight<D> {
             ),
             line,
             operator: Operator::new(clear_after_us.map(microseconds)),
+            thermometer: Thermometer::of(scenario),
             aircraft,
             mechanics,
             tracer: Tracer::new(options.frame),
@@ -333,6 +336,10 @@ impl<D: FlyingDevice> Flight<D> {
         }
         for command in self.operator.commands(now_us) {
             events.push((Time::from_us(now_us), Event::Command(command)));
+        }
+        if let Some(celsius) = self.thermometer.told(true_us) {
+            let told = Event::Command(Command::Temperature(celsius));
+            events.push((Time::from_us(now_us), told));
         }
         // Events that the camera did not take in the last round come first.
         let mut waiting = std::mem::take(&mut self.waiting);

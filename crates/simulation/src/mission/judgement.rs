@@ -4,6 +4,7 @@ use fmc_camera::flight::frame_record::Outcome;
 
 use super::check::{Check, refused};
 use super::flown::Flown;
+use super::focus_check;
 use super::frame_errors::FrameErrors;
 use super::outcome::outcome;
 use super::physical_truth::TrueWorld;
@@ -43,6 +44,7 @@ impl Judgement {
             spurious_faults::check(scenario, flown),
             coordinates(scenario, flown, &errors),
         ];
+        checks.extend(focus_check::check(scenario, flown));
         checks.extend(sigma_checks::of(scenario, &verdicts));
         if scenario.faults.is_empty() {
             checks.push(nominal_smear(scenario, &errors));

@@ -146,6 +146,13 @@ impl FrameMachine {
         }
     }
 
+    /// Sets flags of the frame in flight.
+    pub(super) const fn flag_all(&mut self, flags: Flags) {
+        if let Some(frame) = &mut self.in_flight {
+            frame.flags.insert_all(flags);
+        }
+    }
+
     /// Number of the first record that is not finished: of the frame in flight, or else the next.
     pub(super) fn next_sequence(&self) -> u32 {
         match &self.in_flight {

@@ -167,14 +167,13 @@ impl FlightMemory {
         Some(())
     }
 
-    /// Reads the parameters of a camera that have a CRC-32.
+    /// Reads the bytes of a camera's parameters that have a CRC-32.
     #[inline(never)]
-    pub(super) fn parameters<T: serde::de::DeserializeOwned>(&self, crc: u32) -> Option<T> {
+    pub(super) fn parameters<T>(&self, crc: u32, read: impl Fn(&[u8]) -> Option<T>) -> Option<T> {
         let mut buffer = [0; PARAMETERS_BYTES];
         let in_block = |block: &Block| {
             let bytes = block.read(&self.words, &mut buffer)?;
-            let is_meant = block::sum(bytes) == crc;
-            postcard::from_bytes(bytes).ok().filter(|_| is_meant)
+            read(bytes).filter(|_| block::sum(bytes) == crc)
         };
         PARAMETERS.iter().find_map(in_block)
     }

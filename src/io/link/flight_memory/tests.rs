@@ -95,7 +95,11 @@ fn reset_after_any_store_leaves_the_parameters_in_use_when_others_are_written() 
         let mut buffer = [0; 16];
         sum(postcard::to_slice(&parameters(first), &mut buffer).unwrap())
     };
-    let read = |memory: &FlightMemory, first| memory.parameters::<[u8; 7]>(crc(first));
+    let read = |memory: &FlightMemory, first| {
+        memory.parameters(crc(first), |bytes| {
+            postcard::from_bytes::<[u8; 7]>(bytes).ok()
+        })
+    };
     // Each is written beside the one before it.
     for [old, new] in [[1, 2], [2, 3], [2, 1]] {
         let stores = with_resets(

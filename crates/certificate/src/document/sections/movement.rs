@@ -4,6 +4,7 @@ use crate::content::Certificate;
 use crate::content::motion::{Motion, MotionRow};
 use crate::document::block::{Block, Section, Table, numbers, words};
 use crate::document::wording::{NOT_STATED, cell, number, pair, range, with_unit};
+use crate::stated::Stated;
 
 /// Mechanism, shutter, and the tables over V/H and exposure time.
 pub(super) fn motion(certificate: &Certificate) -> Section {
@@ -90,6 +91,10 @@ fn mechanism(motion: &Motion) -> Vec<[String; 2]> {
             },
         ),
         pair(
+            "focus shift over the temperature of the lens",
+            focus(motion),
+        ),
+        pair(
             "shutter",
             format!(
                 "{}, opening {opening} and closing {closing} of the exposure",
@@ -100,6 +105,21 @@ fn mechanism(motion: &Motion) -> Vec<[String; 2]> {
         pair("limits of the exposure", range(&motion.exposure_s, "s")),
     ]);
     pairs
+}
+
+fn focus(motion: &Motion) -> String {
+    let row = |[celsius, shift_um]: &[Option<Stated>; 2]| {
+        format!(
+            "{} at {}",
+            with_unit(shift_um.as_ref(), "µm"),
+            with_unit(celsius.as_ref(), "°C")
+        )
+    };
+    let rows: Vec<String> = motion.focus.iter().map(row).collect();
+    if rows.is_empty() {
+        return NOT_STATED.to_owned();
+    }
+    rows.join(", ")
 }
 
 /// Returns the first two cells of a row, and then those of its exposure, or why it is refused.
