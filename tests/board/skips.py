@@ -5,6 +5,7 @@ import collections
 import os
 import pickle
 import random
+import traceback
 
 import unicorn
 from elftools.elf.elffile import ELFFile
@@ -67,6 +68,8 @@ def apart(act):
             with os.fdopen(writing, "wb") as pipe:
                 pickle.dump(act(), pipe)
             code = 0
+        except Exception:
+            traceback.print_exc()
         finally:
             os._exit(code)
     os.close(writing)

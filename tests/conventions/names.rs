@@ -12,6 +12,7 @@ use fmc_camera::geometry::calibration::CalibrationParameters;
 use fmc_camera::geometry::camera_grids::CameraGrids;
 use fmc_camera::geometry::evaluation_form::Displacement;
 use fmc_camera::geometry::five_coefficient::FiveCoefficients;
+use fmc_camera::geometry::focus_table::FocusTable;
 use fmc_camera::geometry::image_motion::{
     Attitude, FlightState, GroundMotion, ImageVelocity, Smear,
 };
@@ -118,6 +119,7 @@ fn documented_names_are_those_of_the_code() {
         field!(Flatness.coefficients_um),
         field!(FocusShift.shift_mm),
         path!(FocusShift::enlargement),
+        path!(FocusTable::at),
         field!(Attitude.pitch_deg),
         field!(Attitude.roll_deg),
         field!(GroundMotion.drift_deg),
