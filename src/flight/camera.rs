@@ -129,15 +129,17 @@ impl Camera {
     /// # Errors
     /// [`CalibrationError`] naming the quantity, its value and the allowed range.
     pub fn new(parameters: CameraParameters) -> Result<Self, CalibrationError> {
-        Self::validated(&parameters, None)?.with_focus(&parameters.focus)
+        let mut made = Self::validated(&parameters, None)?;
+        made.take_focus(&parameters.focus)?;
+        Ok(made)
     }
 
-    /// Returns the camera with its focus table: every row, with the largest run-out of the stage,
-    /// is within [`MAX_FOCUS_FRACTION`].
-    fn with_focus(mut self, table: &FocusTable) -> Result<Self, CalibrationError> {
+    /// Gives the camera its focus table: every row, with the largest run-out of the stage, is within
+    /// [`MAX_FOCUS_FRACTION`].
+    fn take_focus(&mut self, table: &FocusTable) -> Result<(), CalibrationError> {
         table.check(self.largest_focus_shift_um())?;
         self.focus = *table;
-        Ok(self)
+        Ok(())
     }
 
     fn validated(
@@ -212,7 +214,9 @@ impl Camera {
             // Nothing is moved.
             return made;
         }
-        made?.with_focus(&parameters.focus)
+        let mut made = made?;
+        made.take_focus(&parameters.focus)?;
+        Ok(made)
     }
 
     /// Identity of the calibration; `None` if none was given.

@@ -46,6 +46,7 @@ def watch(board, seconds):
 
 def skip(board, address, size):
     """Leaves an instruction out the first time that it is reached."""
+    board.chip.bank.lets_wait = True
     uc, left = board.processor.uc, [1]
 
     def step_over(uc, at, length, data):
