@@ -136,8 +136,8 @@ fn take(
     let (mut failed, mut is_refused) = (None, false);
     for action in actions {
         match *action {
-            Action::OpenShutter { exposure_s, .. }
-                if !controller.may_open(setup, now, exposure_s) =>
+            Action::OpenShutter { at, exposure_s }
+                if !controller.may_open(setup, now, (at, exposure_s)) =>
             {
                 is_refused = true;
             }

@@ -40,8 +40,8 @@ impl HeldGrids {
     /// Validates a camera, and puts the grids that it states into use.
     pub(super) fn identify(&mut self, camera: &CameraParameters) -> Result<Camera, DeviceError> {
         let crc = digest::of_camera(camera);
-        let camera = Camera::identified(camera, crc, Storage::Volatile)
-            .map_err(DeviceError::Calibration)?;
+        let camera =
+            Camera::identified(camera, crc, Storage::Volatile).map_err(DeviceError::Calibration)?;
         self.0.put_into_use(&camera)?;
         Ok(match self.in_use() {
             Some(grids) => camera.bounded_by(&grids),

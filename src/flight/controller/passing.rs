@@ -2,6 +2,7 @@
 
 use super::frame::{Asked, Due, Plan};
 use super::setup::Setup;
+use super::timing::LEAD_S;
 use super::{Actions, Controller, act};
 use crate::flight::camera::Camera;
 use crate::flight::event::{Action, ShutterEdge};
@@ -102,10 +103,15 @@ impl Controller {
         }
     }
 
-    /// Returns `true` if the shutter may open for an exposure, s: a second look at the stage, of
-    /// other numbers and code than the first.
-    pub(in super::super) fn may_open(&self, setup: &Setup, now: Time, exposure_s: f32) -> bool {
-        self.stage.moves_as_set(setup, now, exposure_s)
+    /// Returns `true` if the shutter may be told now to open at a time, for an exposure, s: a second
+    /// look at the stage, of other numbers and code than the first, and no earlier than that.
+    pub(in super::super) fn may_open(
+        &self,
+        setup: &Setup,
+        now: Time,
+        (at, exposure_s): (Time, f32),
+    ) -> bool {
+        at <= now.plus_s(LEAD_S) && self.stage.moves_as_set(setup, now, exposure_s)
     }
 
     /// Ends the frame whose shutter has been told to open and must not.

@@ -85,7 +85,7 @@ pub const ROW_ROUNDING_NM: f32 = 4.0;
 /// is 8 and the larger bound is stated.
 ///
 /// A point costs 13 instructions on a Cortex-M4F, 17 with K3, starts every 64 points included; a
-/// row costs 78 and a frame 800. In all, it is 20.5 per point with K3 where two starts serve 82
+/// row costs 80 and a frame 1100. In all, it is 20.5 per point with K3 where two starts serve 82
 /// points (104 mm, 128 pixels of 10 µm).
 ///
 /// # Examples

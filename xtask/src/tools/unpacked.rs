@@ -127,18 +127,37 @@ impl Unpacked {
 }
 
 /// Returns the directories of shared libraries below a root, relative to a tool's directory:
-/// `prefix`, then `root/…`.
+/// `prefix`, then `root/…`. Behind them stand those that a package keeps for its own libraries,
+/// which find them at the system's place alone.
 fn library_directories(root: &Path, prefix: &str) -> Vec<String> {
-    ["usr/lib", "lib"]
+    let sorted = |directory: &str| {
+        let mut names = file_names(&root.join(directory));
+        names.sort();
+        names
+    };
+    let of_system: Vec<_> = ["usr/lib", "lib"]
         .into_iter()
         .flat_map(|parent| {
-            let mut names = file_names(&root.join(parent));
-            names.sort();
+            let names = sorted(parent).into_iter();
             names
-                .into_iter()
                 .filter(|name| name.contains("-linux-gnu"))
-                .map(move |name| format!("{prefix}root/{parent}/{name}"))
+                .map(move |name| format!("{parent}/{name}"))
         })
+        .collect();
+    let of_packages: Vec<_> = of_system
+        .iter()
+        .flat_map(|parent| {
+            let names = sorted(parent).into_iter();
+            names.map(move |name| format!("{parent}/{name}"))
+        })
+        .filter(|place| {
+            let is_library = |name: &String| name.starts_with("lib") && name.contains(".so");
+            file_names(&root.join(place)).iter().any(is_library)
+        })
+        .collect();
+    let places = of_system.into_iter().chain(of_packages);
+    places
+        .map(|place| format!("{prefix}root/{place}"))
         .collect()
 }
 
@@ -182,7 +201,11 @@ mod tests {
         let tool = Unpacked::new(directory.to_owned(), None);
         let programs = tool.root().join("usr/bin");
         fs::create_dir_all(&programs).unwrap();
-        fs::create_dir_all(tool.root().join("usr/lib/x86_64-linux-gnu")).unwrap();
+        let libraries = tool.root().join("usr/lib/x86_64-linux-gnu");
+        for part in ["pulseaudio", "plugins"] {
+            fs::create_dir_all(libraries.join(part)).unwrap();
+        }
+        fs::write(libraries.join("pulseaudio/libpulsecommon-16.1.so"), "").unwrap();
         write_program(&programs.join("qemu-system-arm"), answer).unwrap();
         tool.finish(Tool::Qemu, release).unwrap();
         tool
@@ -198,7 +221,9 @@ mod tests {
         tool.try_out(&shell, Tool::Qemu, "debian 12").unwrap();
         let program = tool.program("qemu-system-arm");
         let text = cmd!(shell, "{program} --version").quiet().read().unwrap();
-        assert!(text.contains("/root/usr/lib/x86_64-linux-gnu"), "{text}");
+        let path = "/root/usr/lib/x86_64-linux-gnu:";
+        let own = "/root/usr/lib/x86_64-linux-gnu/pulseaudio";
+        assert!(text.contains(path) && text.contains(own), "{text}");
 
         let refused = |tool: &Unpacked, release| {
             let refused = tool.try_out(&shell, Tool::Qemu, release);

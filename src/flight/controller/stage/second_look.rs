@@ -84,6 +84,11 @@ mod tests {
     /// makes the times of the readings of the true ones, s, and `moved` their moves of those of
     /// the set point, mm.
     fn look(time_s: impl Fn(f32) -> f32, moved: impl Fn(f32) -> f32) -> bool {
+        look_before(0.0, time_s, moved)
+    }
+
+    /// Returns what it says about a command that is to leave after a time, s.
+    fn look_before(leaves_s: f32, time_s: impl Fn(f32) -> f32, moved: impl Fn(f32) -> f32) -> bool {
         let parameters = CalibrationParameters::new(100.0, [9216, 9216], 8.75);
         let camera = Camera::new(CameraParameters::new(parameters)).unwrap();
         let settings = FlightSettings::default();
@@ -103,7 +108,7 @@ mod tests {
             });
         }
         let now = first.plus_s(1e-3 * f32::from(u8::try_from(VALUES - 1).unwrap()));
-        stage.moves_as_set(&setup, now, EXPOSURE_S)
+        controller.may_open(&setup, now, (now.plus_s(leaves_s), EXPOSURE_S))
     }
 
     #[test]
@@ -119,15 +124,19 @@ mod tests {
         // The set point has moved 0.04 mm at the last reading but one, and 0.06 mm at the last.
         let behind = |behind_mm: f32| {
             let is_behind = |mm: f32| (0.03..0.05).contains(&mm);
-            look(
-                |s| s,
-                |mm| if is_behind(mm) { mm - behind_mm } else { mm },
-            )
+            look(|s| s, |mm| if is_behind(mm) { mm - behind_mm } else { mm })
         };
         assert!(behind(0.001));
         assert!(behind(-0.001));
         assert!(!behind(0.006));
         assert!(!behind(-0.006));
+    }
+
+    #[test]
+    fn command_is_given_in_the_last_round_before_it_leaves_and_no_earlier() {
+        assert!(look_before(0.001, |s| s, |mm| mm));
+        assert!(!look_before(0.0011, |s| s, |mm| mm));
+        assert!(!look_before(0.002, |s| s, |mm| mm));
     }
 
     #[test]
