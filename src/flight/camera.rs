@@ -134,8 +134,8 @@ impl Camera {
         Ok(made)
     }
 
-    /// Gives the camera its focus table: every row, with the largest run-out of the stage, is within
-    /// [`MAX_FOCUS_FRACTION`].
+    /// Gives the camera its focus table: every row, with the largest run-out of the stage, is
+    /// within [`MAX_FOCUS_FRACTION`].
     fn take_focus(&mut self, table: &FocusTable) -> Result<(), CalibrationError> {
         table.check(self.largest_focus_shift_um())?;
         self.focus = *table;

@@ -103,8 +103,8 @@ impl Controller {
         }
     }
 
-    /// Returns `true` if the shutter may be told now to open at a time, for an exposure, s: a second
-    /// look at the stage, of other numbers and code than the first, and no earlier than that.
+    /// Returns `true` if the shutter may be told now to open at a time, for an exposure, s: a
+    /// second look at stage and time, of other numbers and code than the first.
     pub(in super::super) fn may_open(
         &self,
         setup: &Setup,
