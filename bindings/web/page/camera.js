@@ -1,5 +1,5 @@
 // The library for C in WebAssembly: its structures as words of 32 bits, and its functions.
-const WORDS = { record: 50, exposure: 10, interior: 17, error: 12, camera: 96, frame: 48,
+const WORDS = { record: 50, exposure: 10, interior: 17, error: 12, camera: 132, frame: 48,
   budget: 17, added: 21 * 21 * 4, points: 2 * 1024, text: 128, id: 7 };
 const OUT_OF_RANGE = 11;
 

@@ -2,3 +2,5 @@
 
 #[cfg(test)]
 mod budget;
+#[cfg(test)]
+mod storage;
