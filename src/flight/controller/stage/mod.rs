@@ -344,7 +344,7 @@ impl StageMachine {
     }
 
     /// Returns `true` if the following error changes by at most `allowed_mm` in an exposure, mm, or
-    /// if that cannot be known. It is not known that it does so while the last reading is in doubt.
+    /// if that cannot be known; `false` while the last reading is in doubt.
     pub(super) fn is_steady(
         &self,
         setup: &Setup,
