@@ -72,6 +72,57 @@ fn command_taken_back_is_not_repeated_without_a_look_at_the_speed() {
 }
 
 #[test]
+fn shutter_is_not_told_to_open_while_the_last_reading_is_in_doubt() {
+    // The reading that shows a kick was held as a possible glitch, and the slope before it was that
+    // of a stage at speed.
+    const KICK_MM: f32 = 0.008;
+    let told = |bench: &Bench| {
+        let opens = bench.actions.iter().find_map(|(at, action)| match action {
+            Action::OpenShutter { .. } => Some(*at),
+            _ => None,
+        });
+        opens.map(|at| at.seconds_since(bench.now))
+    };
+    let before_the_round_of_the_command = || {
+        let last_round = {
+            let mut bench = Bench::armed();
+            bench.send(Event::Trigger);
+            while told(&bench).is_none() {
+                round(&mut bench, 0.001, Some(0.0));
+            }
+            bench.now
+        };
+        let mut bench = Bench::armed();
+        bench.send(Event::Trigger);
+        while bench.now.plus_s(0.0005) < last_round.plus_s(-0.001) {
+            round(&mut bench, 0.001, Some(0.0));
+        }
+        bench
+    };
+    // As a control, without a kick the next round tells it.
+    let mut bench = before_the_round_of_the_command();
+    assert_eq!(told(&bench), None);
+    round(&mut bench, 0.001, Some(0.0));
+    assert_eq!(told(&bench), Some(0.0));
+
+    let mut bench = before_the_round_of_the_command();
+    round(&mut bench, 0.001, Some(KICK_MM));
+    assert_eq!(told(&bench), None);
+    // A glitch: it opens a round later.
+    round(&mut bench, 0.001, Some(0.0));
+    assert_eq!(told(&bench), Some(0.0));
+
+    // A stage that goes on so does not open.
+    let mut bench = before_the_round_of_the_command();
+    for kicks in [1.0, 2.0, 3.0] {
+        round(&mut bench, 0.001, Some(kicks * KICK_MM));
+    }
+    bench.run(60);
+    assert_eq!(told(&bench), None);
+    assert!(matches!(bench.records()[0].outcome, Outcome::Refused(_)));
+}
+
+#[test]
 fn shutter_does_not_open_on_readings_that_have_ceased() {
     // The slope of old readings never expired, and an encoder without readings caused no fault.
     let mut bench = Bench::armed();

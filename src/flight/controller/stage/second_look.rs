@@ -73,9 +73,12 @@ impl StageMachine {
 mod tests {
     use super::*;
     use crate::flight::controller::Start;
+    use crate::flight::controller::stage::Seen;
+    use crate::flight::drive::StageReading;
     use crate::flight::prepared_camera::PreparedCamera;
     use crate::flight::settings::FlightSettings;
     use crate::flight::stage_track::PlaceReading;
+    use crate::flight::stage_watch::ReadingVerdict;
     use crate::{CalibrationParameters, Camera, CameraParameters};
 
     const EXPOSURE_S: f32 = 0.004;
@@ -89,6 +92,20 @@ mod tests {
 
     /// Returns what it says about a command that is to leave after a time, s.
     fn look_before(leaves_s: f32, time_s: impl Fn(f32) -> f32, moved: impl Fn(f32) -> f32) -> bool {
+        look_at(leaves_s, time_s, moved, None)
+    }
+
+    /// Returns what it says about a stage that moves as set, with a last reading in doubt or none.
+    fn look_in_doubt(suspicious: Option<(StageReading, Seen)>) -> bool {
+        look_at(0.0, |s| s, |mm| mm, suspicious)
+    }
+
+    fn look_at(
+        leaves_s: f32,
+        time_s: impl Fn(f32) -> f32,
+        moved: impl Fn(f32) -> f32,
+        suspicious: Option<(StageReading, Seen)>,
+    ) -> bool {
         let parameters = CalibrationParameters::new(100.0, [9216, 9216], 8.75);
         let camera = Camera::new(CameraParameters::new(parameters)).unwrap();
         let settings = FlightSettings::default();
@@ -108,6 +125,7 @@ mod tests {
             });
         }
         let now = first.plus_s(1e-3 * f32::from(u8::try_from(VALUES - 1).unwrap()));
+        controller.stage.suspicious = suspicious;
         controller.may_open(&setup, now, (now.plus_s(leaves_s), EXPOSURE_S))
     }
 
@@ -130,6 +148,20 @@ mod tests {
         assert!(behind(-0.001));
         assert!(!behind(0.006));
         assert!(!behind(-0.006));
+    }
+
+    #[test]
+    fn stage_whose_last_reading_is_in_doubt_does_not_pass() {
+        let doubt = StageReading {
+            time: Time::START,
+            offset_mm: 0.0,
+        };
+        let seen = Seen {
+            verdict: ReadingVerdict::Suspicious,
+            error_mm: 0.0,
+        };
+        assert!(look_in_doubt(None));
+        assert!(!look_in_doubt(Some((doubt, seen))));
     }
 
     #[test]
