@@ -145,9 +145,10 @@ fn silence_is_no_camera() {
 fn echo_is_no_camera() {
     let port = Port::with(|mut far| {
         let mut buffer = [0; 100];
-        loop {
-            if let Ok(count) = far.read(&mut buffer) {
-                far.write_all(&buffer[..count]).unwrap();
+        // Until the test gives up the port.
+        while let Ok(count) = far.read(&mut buffer) {
+            if far.write_all(&buffer[..count]).is_err() {
+                return;
             }
         }
     });
@@ -159,16 +160,15 @@ fn echo_is_no_camera() {
 fn flood_of_garbage_is_no_camera() {
     let port = Port::with(|mut far| {
         let mut byte = 1_u32;
-        loop {
-            let garbage: Vec<u8> = std::iter::repeat_with(|| {
-                byte = byte.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-                byte.to_be_bytes()[0]
-            })
-            .take(500)
-            .collect();
-            // A write to a full terminal waits until the other end reads.
-            let _ = far.write_all(&garbage);
-        }
+        let mut garbage = std::iter::repeat_with(|| {
+            byte = byte.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            byte.to_be_bytes()[0]
+        });
+        // A write to a full terminal waits until the other end reads.
+        while far
+            .write_all(&garbage.by_ref().take(500).collect::<Vec<u8>>())
+            .is_ok()
+        {}
     });
     port.correct(&Bench::new()).failed(
         3,
@@ -181,8 +181,8 @@ fn camera_of_another_protocol_is_named_with_both_versions() {
     const OTHER: u8 = PROTOCOL_VERSION + 1;
     let port = Port::with(|mut far| {
         let mut byte = [0];
-        loop {
-            if far.read(&mut byte).is_ok_and(|count| count == 1) && byte == [0] {
+        while let Ok(count) = far.read(&mut byte) {
+            if count == 1 && byte == [0] {
                 let _ = far.write_all(&frame_of(&[OTHER, 1, 2, 3]));
             }
         }
