@@ -16,7 +16,7 @@ use crate::command_line::signals::is_ignored;
 use crate::command_line::support::{Answer, Bench, CAMERA, EXPOSURE};
 
 /// Runs until one is caught while it writes; most are at the first.
-const ATTEMPTS: usize = 40;
+const ATTEMPTS: usize = 200;
 
 /// A camera whose frames have 4 megapixels.
 const LARGE: &str = r#"name = "Large camera"
