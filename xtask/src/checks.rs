@@ -20,6 +20,9 @@ use crate::{
 pub(crate) const TESTED: &str =
     "--workspace --exclude hil --features fmc-camera/nmea,fmc-camera/mavlink,fmc-camera/store";
 
+/// Features of the library with which it is tested.
+pub(crate) const FEATURES_OF_TESTS: &str = "estimation,nmea,mavlink,store";
+
 /// Features of the library, each of which must compile by itself, and none of them.
 const FEATURES: [&str; 8] = [
     "",

@@ -13,6 +13,7 @@ mod board_flight;
 mod c;
 mod checks;
 mod cores;
+mod coverage;
 mod crate_program;
 mod emulator;
 mod equipment;
@@ -30,6 +31,7 @@ mod rounding;
 mod route;
 mod schedule;
 mod site;
+mod source;
 mod stack;
 mod supply;
 mod system;
@@ -123,6 +125,13 @@ enum Command {
         #[arg(long)]
         update: bool,
     },
+    /// Measure which lines and branches of the camera logic and of the link the library's own tests
+    /// reach, and compare what they do not with docs/coverage.csv
+    ///
+    /// Needs LLVM's llvm-cov and llvm-profdata of the compiler's own version; where they are not on
+    /// the search path, Debian's package is fetched into the target directory. cargo builds
+    /// cargo-llvm-cov into target/tools where the search path has none.
+    Coverage,
     /// Feed hostile input to what reads it, guided by what the code has not done yet
     ///
     /// Targets and their properties are in fuzz. Needs a C++ compiler for libFuzzer; cargo builds
@@ -200,6 +209,10 @@ fn main() -> ExitCode {
         Command::Supply { update } => (
             Workspace::new().and_then(|workspace| supply::run(&workspace, update)),
             CHECK_FAILED,
+        ),
+        Command::Coverage => (
+            Workspace::new().and_then(|workspace| coverage::run(&workspace)),
+            NOT_STARTED,
         ),
         Command::Fuzz {
             targets,

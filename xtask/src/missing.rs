@@ -104,6 +104,7 @@ fn remedy(tool: Tool, system: &System) -> String {
             Tool::Compiler | Tool::Linker | Tool::Clippy => {
                 return "rustup target add thumbv7em-none-eabihf".to_owned();
             }
+            Tool::Coverage => return "rustup component add llvm-tools".to_owned(),
             Tool::Qemu
             | Tool::Llvm
             | Tool::Pip

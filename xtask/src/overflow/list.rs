@@ -9,10 +9,8 @@ use std::{
 use anyhow::{Context as _, Result};
 use serde::Deserialize;
 
-use super::{
-    place::Place,
-    source::{self, Sources},
-};
+use super::place::Place;
+use crate::source::{self, Sources};
 
 /// The list.
 pub(super) const LIST: &str = "docs/overflow.csv";

@@ -7,7 +7,6 @@
 
 mod list;
 mod place;
-mod source;
 
 use std::{collections::BTreeSet, fs, path::Path};
 
@@ -17,12 +16,12 @@ use xshell::Cmd;
 use self::{
     list::{Extent, Found, LIST, MADE_WITH, Row},
     place::Place,
-    source::Sources,
 };
 use crate::{
     NOT_CHECKED,
     firmware::{self, Image},
     no_panic::PANIC_SYMBOL,
+    source::Sources,
     target::Target,
     workspace::Workspace,
 };

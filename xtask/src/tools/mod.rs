@@ -46,6 +46,8 @@ pub(crate) enum Tool {
     Qemu,
     /// LLVM's disassembler and models of processors.
     Llvm,
+    /// LLVM's programs that read coverage measurements of the compiler on the PC.
+    Coverage,
     /// Python's installer of packages, with Python where there is none.
     Pip,
     /// Linker for 64-bit Arm and QEMU's emulation of its processes.
@@ -71,6 +73,7 @@ impl Tool {
             Self::Linker => "linker",
             Self::Qemu => "qemu",
             Self::Llvm => "llvm",
+            Self::Coverage => "coverage",
             Self::Pip => "pip",
             Self::Aarch64 => "aarch64",
             Self::ArmGcc => "arm-gcc",
@@ -89,6 +92,7 @@ impl Tool {
             Self::Linker => &["lld"],
             Self::Qemu => &["qemu-system-arm"],
             Self::Llvm => &["llvm-19"],
+            Self::Coverage => &["llvm-22"],
             Self::Pip => &["python3-pip"],
             Self::Aarch64 => &[
                 "gcc-aarch64-linux-gnu",
@@ -111,6 +115,7 @@ impl Tool {
             Self::Linker => &["ld.lld"],
             Self::Qemu => &["qemu-system-arm"],
             Self::Llvm => &["llvm-mca-19", "llvm-objdump-19"],
+            Self::Coverage => &["llvm-cov-22", "llvm-profdata-22"],
             // It is run as a module of a Python.
             Self::Pip => &[],
             Self::Aarch64 => &["aarch64-linux-gnu-gcc", "qemu-aarch64-static"],
@@ -139,6 +144,7 @@ impl Tool {
             Self::Clippy
             | Self::Linker
             | Self::Llvm
+            | Self::Coverage
             | Self::Pip
             | Self::Aarch64
             | Self::ArmGcc
@@ -172,6 +178,7 @@ impl fmt::Display for Tool {
             Self::Linker => "linker for the target",
             Self::Qemu => "QEMU",
             Self::Llvm => "LLVM",
+            Self::Coverage => "LLVM's reader of coverage",
             Self::Pip => "Python with pip",
             Self::Aarch64 => "linker and emulator of 64-bit Arm",
             Self::ArmGcc => "C compiler for the target",

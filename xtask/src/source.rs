@@ -8,13 +8,13 @@ use std::{
 
 /// Sources that have been read.
 #[derive(Debug)]
-pub(super) struct Sources {
+pub(crate) struct Sources {
     root: PathBuf,
     lines: BTreeMap<String, Vec<String>>,
 }
 
 impl Sources {
-    pub(super) fn new(root: &Path) -> Self {
+    pub(crate) fn new(root: &Path) -> Self {
         Self {
             root: root.to_owned(),
             lines: BTreeMap::new(),
@@ -22,7 +22,7 @@ impl Sources {
     }
 
     /// Returns the lines of a file, by the path that the compiler had; none if it cannot be read.
-    pub(super) fn lines(&mut self, file: &str) -> &[String] {
+    pub(crate) fn lines(&mut self, file: &str) -> &[String] {
         let root = &self.root;
         let read = || {
             let text = fs::read_to_string(root.join(file)).unwrap_or_default();
@@ -34,7 +34,7 @@ impl Sources {
 
 /// Returns the name of a file in the list: from the root for those of this project, else its crate,
 /// without a version, and the path in it.
-pub(super) fn file(path: &str) -> String {
+pub(crate) fn file(path: &str) -> String {
     let path = path.replace('\\', "/");
     if let Some((_, of_library)) = path.rsplit_once("/library/") {
         return of_library.to_owned();
@@ -58,7 +58,7 @@ pub(super) fn file(path: &str) -> String {
 /// Returns the function that a line is in, with the type or trait whose function it is, or the
 /// macro that makes it: the headers above it that are indented less and less, as rustfmt writes
 /// them.
-pub(super) fn function(lines: &[String], line: u32) -> Option<String> {
+pub(crate) fn function(lines: &[String], line: u32) -> Option<String> {
     let last = usize::try_from(line).ok()?;
     let above = lines.get(..last)?.iter().rev();
     let mut name: Option<String> = None;
