@@ -24,7 +24,7 @@ pub(super) struct Row {
     lines: usize,
     /// Number of branches of the function that are not taken.
     branches: usize,
-    /// Why no test of the library can reach them.
+    /// Reason that no test of the library can reach them.
     reason: String,
 }
 
@@ -35,14 +35,14 @@ pub(super) fn read(root: &Path) -> Result<Vec<Row>> {
     rows.with_context(|| list.display().to_string())
 }
 
-/// What is not reached of a function.
+/// Lines and branches of a function that are not reached.
 #[derive(Debug, Default)]
 struct Gap {
     lines: BTreeSet<u32>,
     branches: BTreeSet<branch::Key>,
 }
 
-/// What was found in the files that are measured.
+/// Measurement of all files.
 #[derive(Debug, Default)]
 pub(super) struct Found {
     gaps: BTreeMap<[String; 2], Gap>,
