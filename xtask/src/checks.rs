@@ -11,7 +11,7 @@ use crate::{
     equipment::{Equipment, Need},
     exchange,
     firmware::{self, Image},
-    kernel, no_panic, overflow, rounding, schedule, site, supply, verify, web, wheel,
+    kernel, mutants, no_panic, overflow, rounding, schedule, site, supply, verify, web, wheel,
     workspace::Workspace,
 };
 
@@ -56,6 +56,8 @@ pub(crate) enum Step {
     Verify,
     /// Fly a twentieth of the campaign of faults, with the camera in this process
     Campaign,
+    /// Try the mutants of sources in docs/mutants.csv that have changed since
+    Mutants,
     /// Prove the bounds of the rounding with Gappa
     Rounding,
     /// Let `OpenCV` and COLMAP read exported cameras and project points
@@ -119,6 +121,7 @@ impl Step {
             | Self::HostTests
             | Self::Verify
             | Self::Campaign
+            | Self::Mutants
             | Self::Exchange
             | Self::Python
             | Self::Web => &[],
@@ -212,6 +215,7 @@ fn run_step(step: Step, workspace: &Workspace, equipment: &Equipment<'_>) -> Res
             verify.arg(verify::default_out(workspace))
         }
         Step::Campaign => return campaign(workspace),
+        Step::Mutants => return mutants::check(workspace),
         Step::Rounding => return rounding::check(workspace, equipment.gappa()?),
         Step::Exchange => return exchange::check(workspace, equipment.toolbox()),
         Step::Python => return wheel::check(workspace, equipment.toolbox()),

@@ -30,9 +30,14 @@ impl CrateProgram {
         let Self { name, version, .. } = *self;
         let shell = &workspace.shell;
         if let Some(program) = on_path(name) {
-            let answer = cmd!(shell, "{program} --version").quiet().read();
-            if answer.is_ok_and(|answer| self.is_usable(&answer)) {
-                return Ok(program);
+            // A command of cargo may want its own name first.
+            let command = name.strip_prefix("cargo-");
+            for before in [None, command] {
+                let answer = cmd!(shell, "{program} {before...} --version").quiet();
+                let answer = answer.ignore_stderr().read();
+                if answer.is_ok_and(|answer| self.is_usable(&answer)) {
+                    return Ok(program);
+                }
             }
         }
         let place = workspace.target_dir.join("tools").join(name);

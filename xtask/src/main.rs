@@ -23,6 +23,7 @@ mod fuzz;
 mod kernel;
 mod machine;
 mod missing;
+mod mutants;
 mod no_panic;
 mod other_target;
 mod overflow;
@@ -132,6 +133,22 @@ enum Command {
     /// the search path, Debian's package is fetched into the target directory. cargo builds
     /// cargo-llvm-cov into target/tools where the search path has none.
     Coverage,
+    /// Change the library in one place after the other, and see whether its own tests notice
+    ///
+    /// Changes are those of cargo-mutants, which cargo builds into target/tools where the search
+    /// path has none, and either constant for each condition of several. Those that survive are
+    /// compared with docs/equivalent-mutants.csv. A run that was interrupted goes on where it was.
+    /// On Linux alone.
+    Mutants {
+        /// Sources, from the root; all of src/geometry, src/flight and src/io without any
+        files: Vec<String>,
+        /// Try a part of the mutants: 1/4 is the first of four
+        #[arg(long)]
+        shard: Option<mutants::Shard>,
+        /// Enter sources without unexplained survivors in docs/mutants.csv
+        #[arg(long, conflicts_with = "shard")]
+        update: bool,
+    },
     /// Feed hostile input to what reads it, guided by what the code has not done yet
     ///
     /// Targets and their properties are in fuzz. Needs a C++ compiler for libFuzzer; cargo builds
@@ -212,6 +229,21 @@ fn main() -> ExitCode {
         ),
         Command::Coverage => (
             Workspace::new().and_then(|workspace| coverage::run(&workspace)),
+            NOT_STARTED,
+        ),
+        Command::Mutants {
+            files,
+            shard,
+            update,
+        } => (
+            Workspace::new().and_then(|workspace| {
+                let options = mutants::Options {
+                    files,
+                    shard,
+                    update,
+                };
+                mutants::run(&workspace, &options)
+            }),
             NOT_STARTED,
         ),
         Command::Fuzz {

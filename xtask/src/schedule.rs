@@ -32,6 +32,7 @@ const LANES: [&[Step]; 2] = [
         Step::HostLints,
         Step::HostTests,
         Step::Verify,
+        Step::Mutants,
         Step::Rounding,
         Step::Exchange,
         Step::Python,
