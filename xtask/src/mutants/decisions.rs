@@ -2,7 +2,8 @@
 
 use anyhow::{Context as _, Result};
 use syn::{
-    BinOp, Expr, ExprBinary, ImplItemFn, ItemFn, ItemMod, TraitItemFn,
+    Attribute, BinOp, Expr, ExprBinary, ImplItemFn, ItemFn, ItemImpl, ItemMod, MetaList,
+    TraitItemFn,
     spanned::Spanned as _,
     visit::{self, Visit},
 };
@@ -84,8 +85,14 @@ impl Decisions<'_> {
 
 impl<'ast> Visit<'ast> for Decisions<'_> {
     fn visit_item_mod(&mut self, module: &'ast ItemMod) {
-        if !is_of_tests(module) {
+        if !is_left_out(&module.attrs) {
             visit::visit_item_mod(self, module);
+        }
+    }
+
+    fn visit_item_impl(&mut self, implementation: &'ast ItemImpl) {
+        if !is_left_out(&implementation.attrs) {
+            visit::visit_item_impl(self, implementation);
         }
     }
 
@@ -129,14 +136,15 @@ fn is_decision(expression: &Expr) -> bool {
     }
 }
 
-/// Returns true for a module of tests.
-pub(super) fn is_of_tests(module: &ItemMod) -> bool {
-    module.attrs.iter().any(|attribute| {
-        attribute.path().is_ident("cfg")
-            && attribute
-                .meta
-                .require_list()
-                .is_ok_and(|list| list.tokens.to_string() == "test")
+/// Returns true for code that the programs do not have: tests within sources, and what another
+/// feature would add.
+pub(super) fn is_left_out(attributes: &[Attribute]) -> bool {
+    attributes.iter().any(|attribute| {
+        let is_left_out = |list: &MetaList| {
+            let condition: String = list.tokens.to_string().split_whitespace().collect();
+            ["test", "feature=\"defmt\""].contains(&condition.as_str())
+        };
+        attribute.path().is_ident("cfg") && attribute.meta.require_list().is_ok_and(is_left_out)
     })
 }
 
@@ -148,7 +156,9 @@ mod tests {
     #[test]
     fn conditions_are_those_of_decisions_that_have_several() {
         let source = "fn f() { if a && (b || !c) && let Some(d) = e && g(h > 1) {} if i {} }
-            mod m { fn g() -> bool { (a == b) | (c && d) } }";
+            mod m { fn g() -> bool { (a == b) | (c && d) } }
+            #[cfg(feature = \"defmt\")] impl F for G { fn h() { j && k } }
+            #[cfg(test)] mod tests { fn l() { j && k } }";
         let mutants = conditions("a.rs", source).unwrap();
         let changes: Vec<_> = mutants
             .iter()

@@ -4,14 +4,14 @@ use std::{cmp::Reverse, collections::BTreeMap, ops::Range};
 
 use anyhow::{Context as _, Result};
 use syn::{
-    Arm, Block, Expr, ExprBinary, ExprMatch, ExprStruct, ExprUnary, ImplItemFn, ItemFn, ItemMod,
-    Pat, ReturnType, TraitItemFn,
+    Arm, Block, Expr, ExprBinary, ExprMatch, ExprStruct, ExprUnary, ImplItemFn, ItemFn, ItemImpl,
+    ItemMod, Pat, ReturnType, TraitItemFn,
     spanned::Spanned as _,
     visit::{self, Visit},
 };
 
 use super::{
-    decisions::{is_junction, is_of_tests},
+    decisions::{is_junction, is_left_out},
     edits::{Change, PlaceOfChange},
     mutant::{Genre, Mutant},
     source_text::SourceText,
@@ -130,8 +130,14 @@ impl Search<'_> {
 
 impl<'ast> Visit<'ast> for Search<'_> {
     fn visit_item_mod(&mut self, module: &'ast ItemMod) {
-        if !is_of_tests(module) {
+        if !is_left_out(&module.attrs) {
             visit::visit_item_mod(self, module);
+        }
+    }
+
+    fn visit_item_impl(&mut self, implementation: &'ast ItemImpl) {
+        if !is_left_out(&implementation.attrs) {
+            visit::visit_item_impl(self, implementation);
         }
     }
 
