@@ -86,8 +86,8 @@ fn second_look_asks_nothing_of_rows_and_of_a_stage_whose_place_is_lost() {
     assert!(controller.stage.moves_as_set(&setup, NOW, 0.01));
 }
 
-/// Notes a crossing of the mark, with readings about it that move on by so much a round, mm.
-fn cross(controller: &mut Controller, is_along: bool, step_mm: f32) {
+/// Notes a crossing of the mark at a place, with readings about it that move on by a step a round.
+fn cross(controller: &mut Controller, is_along: bool, step_mm: f32, place_mm: f32) {
     controller.stage.track.clear();
     let mut time = NOW;
     for round in 0..5_u8 {
@@ -100,7 +100,7 @@ fn cross(controller: &mut Controller, is_along: bool, step_mm: f32) {
     }
     controller.stage.latched_index = Some(LatchedIndex {
         // The reading is 0.1 ms old.
-        reading_mm: -0.1 * step_mm,
+        reading_mm: place_mm - 0.1 * step_mm,
         next_sequence: 1,
         is_along,
     });
@@ -119,15 +119,21 @@ fn crossing_counts_if_the_readings_about_it_move_as_the_stage_was_told() {
         let mut camera = prepared(camera(), &with_mark());
         let (setup, controller) = camera.flown();
         // A crossing along the axis, with which one against it makes a pair.
-        cross(controller, true, 0.01);
+        cross(controller, true, 0.01, 0.0);
         controller.judge_index(&setup, &mut Actions::new());
         assert!(controller.stage.index.is_found());
-        let before = (controller.stage.index, controller.stage.play_watch);
-        cross(controller, is_along, step_mm);
+        let before = (
+            controller.stage.index.last_mm(),
+            controller.stage.play_watch,
+        );
+        cross(controller, is_along, step_mm, 5e-5);
         let mut actions = Actions::new();
         controller.judge_index(&setup, &mut actions);
         assert!(actions.is_empty() && controller.stage.latched_index.is_none());
-        let after = (controller.stage.index, controller.stage.play_watch);
+        let after = (
+            controller.stage.index.last_mm(),
+            controller.stage.play_watch,
+        );
         assert_eq!(before != after, counts, "{is_along}, {step_mm} mm");
     }
 }
