@@ -1,7 +1,7 @@
 //! Findings of the aircraft's instruments: each is in the next record, and counted.
 
 use fmc_camera::flight::attitude::AttitudeFinding;
-use fmc_camera::flight::event::{AttitudeSample, Command, Event};
+use fmc_camera::flight::event::{AttitudeSample, Event};
 use fmc_camera::flight::findings::Findings;
 use fmc_camera::flight::frame_record::{Flag, FrameRecord, Outcome};
 use fmc_camera::flight::vh::{CONSISTENT_SAMPLES, VhSample};
