@@ -246,17 +246,6 @@ fn missing_pulses_are_counted_one_by_one() {
 }
 
 #[test]
-fn pulses_that_have_moved_are_in_every_record_after_those_that_follow_too() {
-    let mut bench = Bench::armed();
-    inject(&mut bench, Flag::UtcPulsesMoved);
-    bench.send(Event::TimePulse);
-    for _ in 0..3 {
-        assert!(next_record(&mut bench).flags.contains(Flag::UtcPulsesMoved));
-    }
-    assert_eq!(count(&bench, Flag::UtcPulsesMoved), 1);
-}
-
-#[test]
 fn rates_that_change_from_attitude_to_attitude_add_to_the_smear() {
     let smear_um = |rate_deg_s: f32| {
         let mut bench = Bench::armed();
