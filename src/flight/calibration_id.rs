@@ -283,4 +283,22 @@ mod tests {
         let bytes = postcard::to_slice(&serial, &mut buffer).unwrap();
         assert_eq!(postcard::from_bytes(bytes), Ok(serial));
     }
+
+    #[cfg(feature = "serde")]
+    #[test]
+    fn serial_number_is_a_text_for_people() {
+        let serial = SerialNumber::new("RC30-5282").unwrap();
+        assert_eq!(serde_json::to_string(&serial).unwrap(), "\"RC30-5282\"");
+        let read = |text: &str| serde_json::from_str::<SerialNumber>(text);
+        assert_eq!(read("\"RC30-5282\"").unwrap(), serial);
+        let refused = [
+            ("\"0123456789abcdefg\"", ""),
+            ("\"12\\u007f\"", "printable ASCII"),
+            ("5282", ""),
+        ];
+        for (wrong, reason) in refused {
+            let error = read(wrong).unwrap_err().to_string();
+            assert!(error.contains(reason), "{wrong}: {error}");
+        }
+    }
 }

@@ -166,3 +166,107 @@ fn hand_over(action: Action, drive: &mut impl FmcDrive, outside: &mut RoundActio
         let _ = outside.push(action);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::vec::Vec;
+
+    use super::*;
+    use crate::flight::controller::Start;
+    use crate::flight::controller::state::State;
+    use crate::flight::event::Command;
+    use crate::flight::frame_record::{Outcome, Reason};
+    use crate::flight::vh::VhSample;
+    use crate::{CalibrationParameters, Camera, CameraParameters};
+
+    /// Drive that is where it has been told to be.
+    #[derive(Debug, Default)]
+    struct Ideal {
+        told: Option<(Time, f32, f32)>,
+    }
+
+    impl FmcDrive for Ideal {
+        fn position(&mut self, now: Time) -> Result<StageReading, Fault> {
+            let offset_mm = self.told.map_or(0.0, |(time, offset_mm, speed_mm_s)| {
+                offset_mm + speed_mm_s * now.seconds_since(time)
+            });
+            Ok(StageReading {
+                time: now,
+                offset_mm,
+            })
+        }
+
+        fn follow(
+            &mut self,
+            now: Time,
+            setpoint: crate::flight::stage::Setpoint,
+        ) -> Result<(), Fault> {
+            self.told = Some((now, setpoint.offset_mm, setpoint.speed_mm_s));
+            Ok(())
+        }
+
+        fn release(&mut self) {
+            self.told = None;
+        }
+    }
+
+    /// Returns a camera in the run-up of a frame, with its time.
+    fn running_up() -> (ControlLoop<Ideal>, Time) {
+        let camera = CameraParameters::new(CalibrationParameters::new(100.0, [9216, 9216], 8.75));
+        let camera = Camera::new(camera).unwrap();
+        let settings = FlightSettings::default();
+        let camera = PreparedCamera::new(camera, &settings, Start::Orderly).unwrap();
+        let mut control = ControlLoop::new(camera, Ideal::default());
+        let mut now = Time::from_us(1_000_000);
+        let mut round = |event: Option<Event>| {
+            now = now.plus_s(1e-3);
+            let events = [Some(Event::Vh(VhSample::Direct(0.1))), event];
+            let events = events.into_iter().flatten().map(|event| (now, event));
+            control.round(now, &events.collect());
+            (control.controller().state(), now)
+        };
+        round(None);
+        round(Some(Event::Command(Command::Arm)));
+        while round(None).0 != State::Armed {}
+        let (state, now) = round(Some(Event::Trigger));
+        assert_eq!(state, State::RunUp);
+        (control, now)
+    }
+
+    #[test]
+    fn opening_that_comes_out_of_turn_does_not_leave_and_ends_its_frame() {
+        // At a time to come, and over a stage that has not been read for 7 ms.
+        for [after_s, later_s] in [[0.001, 0.5], [0.007, 0.0]] {
+            let (mut control, now) = running_up();
+            let now = now.plus_s(after_s);
+            let at = now.plus_s(later_s);
+            let exposure_s = control.settings().exposure_s;
+            let (setup, controller) = control.camera.flown();
+            let actions = Actions::from_iter([Action::OpenShutter { at, exposure_s }]);
+            let mut outside = RoundActions::new();
+            let flown = (&setup, &mut *controller);
+            take(flown, &mut control.drive, now, &actions, &mut outside);
+            assert_eq!(outside, [Action::FrameReady(1)]);
+            let record = controller.record(0).unwrap();
+            assert_eq!(record.outcome, Outcome::Refused(Reason::NotAtSpeed));
+            assert_eq!(controller.state(), State::FlyBack);
+            assert!(control.drive().told.is_some(), "the stage is led back");
+        }
+    }
+
+    #[test]
+    fn opening_over_a_stage_at_speed_leaves() {
+        let (mut control, mut now) = running_up();
+        let mut opened = Vec::new();
+        while opened.is_empty() {
+            now = now.plus_s(1e-3);
+            let actions = control.round(now, &Events::new());
+            opened.extend(actions.into_iter().filter_map(|action| match action {
+                Action::OpenShutter { at, .. } => Some(at),
+                _ => None,
+            }));
+        }
+        assert_eq!(control.controller().state(), State::Tracking);
+        assert!(opened[0].seconds_since(now) <= 1e-3);
+    }
+}

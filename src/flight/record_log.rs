@@ -533,4 +533,39 @@ mod tests {
         assert_eq!(log.acknowledge(last + 1), 0);
         assert_eq!(number(&mut log), Numbered::Pending(last + 2));
     }
+
+    #[cfg(feature = "store")]
+    #[test]
+    fn record_that_the_flash_has_otherwise_or_that_is_gone_is_written_or_left_out() {
+        let mut log = RecordLog::new();
+        number(&mut log);
+        finish(&mut log, 1);
+        let (record, boot) = log.next_unwritten().unwrap();
+        let other = Entry {
+            outcome: Outcome::Refused(Reason::Disarmed),
+            ..record
+        };
+        for (found, boot, is_unwritten) in [
+            (&other, boot, true),
+            (&record, boot + 1, true),
+            (&record, boot, false),
+        ] {
+            log.note_found(found, boot);
+            assert_eq!(log.unwritten(), u32::from(is_unwritten), "{found:?}");
+        }
+        // A record that has been acknowledged meanwhile.
+        number(&mut log);
+        finish(&mut log, 2);
+        let gone = Entry {
+            sequence: 1,
+            ..record
+        };
+        assert_eq!(log.acknowledge(1), 1);
+        log.note_written(1);
+        log.note_found(&gone, boot);
+        log.note_kept(1, 0);
+        assert_eq!(log.unwritten(), 1);
+        assert_eq!(log.next_unwritten().map(|(it, _)| it.sequence), Some(2));
+        assert_eq!(log.next_unkept().map(|it| it.record.sequence), Some(2));
+    }
 }

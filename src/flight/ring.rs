@@ -199,7 +199,7 @@ mod tests {
 
     #[test]
     fn line_that_oscillates_is_listened_to_until_its_ring_is_full_and_again_once_it_is_read() {
-        let edges = Ring::<u32, 4>::new();
+        let edges = Ring::<u32, 4>::default();
         for stamp in 0..3 {
             assert!(edges.capture(Some(stamp), false));
         }

@@ -365,4 +365,49 @@ mod tests {
         let travel = found(KNOWN, 0.0005);
         assert!((travel - 0.5).abs() < 1e-3, "{travel}");
     }
+
+    #[test]
+    fn distortion_counts_along_the_axis_and_a_flight_against_it_is_that_of_the_opposite_axis() {
+        let prediction = |axis, direction| {
+            let mut parameters = CalibrationParameters::new(100.0, [9216, 9216], 8.75);
+            // More along x than along y.
+            parameters.distortion = Brown {
+                k0: 1e-3,
+                p1: 1e-5,
+                ..Brown::default()
+            };
+            parameters.axis = axis;
+            SmearPrediction::new(&Calibration::new(parameters).unwrap(), direction)
+        };
+        for (axis, opposite) in [
+            (FmcAxis::PlusX, FmcAxis::MinusX),
+            (FmcAxis::MinusX, FmcAxis::PlusX),
+            (FmcAxis::PlusY, FmcAxis::MinusY),
+            (FmcAxis::MinusY, FmcAxis::PlusY),
+        ] {
+            let reverse = prediction(axis, FlightDirection::Reverse);
+            let forward = prediction(opposite, FlightDirection::Forward);
+            assert_eq!(reverse.view.axis, opposite);
+            assert_eq!(prediction(axis, FlightDirection::Forward).view.axis, axis);
+            let travel = compensation(DELTA_MM);
+            let of = |it: &SmearPrediction| it.of(&VH, &KNOWN, &travel).largest_um;
+            assert_eq!(of(&reverse).to_bits(), of(&forward).to_bits());
+        }
+        // 2·p1·y across and 6·p1·x along, at the corner of 40.32 mm.
+        let gradient = |axis| prediction(axis, FlightDirection::Forward).lens_gradient;
+        let (along, across) = (gradient(FmcAxis::PlusX), gradient(FmcAxis::PlusY));
+        assert!(along > across + 1e-4, "{along}, {across}");
+    }
+
+    #[test]
+    fn without_image_motion_all_of_the_motion_is_left() {
+        let beyond = VhEstimate {
+            vh_per_s: 1e6,
+            ..VH
+        };
+        let found = prediction(0.0).of(&beyond, &KNOWN, &compensation(DELTA_MM));
+        // 100 mm over 1/300 s at 10⁶ 1/s, less 33 µm.
+        assert!((found.largest_um / 3.333_333e8 - 1.0).abs() < 1e-5);
+        assert!(!found.is_with_attitude);
+    }
 }

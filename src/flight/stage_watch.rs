@@ -489,4 +489,17 @@ mod tests {
         // After a round that was left out, nobody knows what the stage has done in between.
         assert_eq!(look(6000, 0.008), ReadingVerdict::Follows);
     }
+
+    #[test]
+    fn stage_off_a_set_point_at_rest_has_stalled_or_runs_away_if_it_moves() {
+        let reading = StageReading {
+            time: Time::START,
+            offset_mm: -0.0081,
+        };
+        for (moved_mm, fault) in [(0.0005, Fault::Stall), (-0.00051, Fault::Runaway)] {
+            let rest = Some(Setpoint::default());
+            let found = verdict_of_motion(reading, rest, moved_mm, &TOLERANCE);
+            assert_eq!(found, ReadingVerdict::Fault(fault));
+        }
+    }
 }

@@ -221,6 +221,37 @@ fn correction_takes_up_the_following_error_at_its_rate_and_no_farther_than_its_l
 }
 
 #[test]
+fn correction_stands_still_at_the_limit_of_the_command_unless_it_leads_back() {
+    for motor_reversed in [false, true] {
+        // For 10 rounds, with 100 per second: the error is as much of a correction.
+        for (behind_um, expected_um) in [(2.0, 0.0), (-2.0, -2.0)] {
+            let mut limited = DriveSettings {
+                motor_reversed,
+                ..settings()
+            };
+            limited.position_command.max_command = 0.5;
+            limited.position_command.sensor_most_counts = 30_000.0;
+            let mut drive = drive(limited);
+            // Beyond the reach of the command, either way.
+            for round in 0..=10 {
+                #[expect(clippy::cast_possible_truncation, reason = "some thousand counts")]
+                let counts = 1000 + (100.0 * (200.0 - behind_um)) as i32;
+                read(&mut drive, ms(round), ms(round), counts).unwrap();
+                drive.follow(ms(round), resting(0.2)).unwrap();
+            }
+            drive.follow(ms(11), resting(0.0)).unwrap();
+            let command = 2.0 * commanded(&mut drive) / f32::from(FULL) - 1.0;
+            let along = if motor_reversed { -1.0 } else { 1.0 };
+            let found = along * 200.0 * (command - 0.25);
+            assert!(
+                (found - expected_um).abs() < 0.15,
+                "{found}, {motor_reversed}"
+            );
+        }
+    }
+}
+
+#[test]
 fn output_that_fails_releases_and_a_failed_release_is_told_by_the_next_set_point() {
     let mut drive = drive(settings());
     drive.output_mut().fails = true;

@@ -315,6 +315,41 @@ fn homing_without_a_switch_ends_and_says_so() {
 }
 
 #[test]
+fn switch_that_bounces_between_two_looks_makes_no_step_and_does_not_end_homing() {
+    let level = |high| Transaction::get(if high { State::High } else { State::Low });
+    let mut pins = [
+        Mock::new(&step()),
+        // Against the axis to the switch, which was open at the first look of the pulse alone.
+        Mock::new(&[Transaction::set(State::High)]),
+        Mock::new(&[true, false, true, true, true].map(level)),
+        Mock::new(&[]),
+    ];
+    let [step, direction, low, high] = pins.clone();
+    let immediate = StepSettings {
+        setup_pulses: 0,
+        ..settings()
+    };
+    let pins_of_drive = StepPins {
+        step,
+        direction,
+        low,
+        high,
+    };
+    let mut drive = StepDir::new(immediate, pins_of_drive).unwrap();
+    drive.start_homing();
+    drive.pulse();
+    assert_eq!((drive.homing(), drive.steps()), (Homing::Seeking, 0));
+    drive.pulse();
+    assert_eq!((drive.homing(), drive.steps()), (Homing::Seeking, -1));
+    drive.pulse();
+    assert_eq!((drive.homing(), drive.steps()), (Homing::Seeking, -1));
+    assert!(drive.pins_mut().low.next().is_none(), "all have been read");
+    for pin in &mut pins {
+        pin.done();
+    }
+}
+
+#[test]
 fn step_rate_keeps_its_limit() {
     let bench = Rc::new(RefCell::new(Bench::default()));
     let slow = StepSettings {

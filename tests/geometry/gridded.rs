@@ -4,6 +4,9 @@
 use crate::geometry::cameras;
 use crate::geometry::jacobian::brown;
 use crate::geometry::spline::{file, noise, strict, wave};
+use fmc_camera::flight::camera::{Camera, CameraParameters};
+use fmc_camera::flight::exposure::{CorrectionModel, Exposure};
+use fmc_camera::flight::gridded_frame::GriddedFrame;
 use fmc_camera::geometry::brown::Brown;
 use fmc_camera::geometry::calibration::{Calibration, CalibrationParameters};
 use fmc_camera::geometry::camera_grids::CameraGrids;
@@ -460,5 +463,32 @@ fn point_that_is_no_number_stays_one_and_has_no_measured_point() {
             assert!(!(answer.point.x_mm + answer.point.y_mm).is_finite());
             assert!(correction.distort(point).is_err());
         }
+    }
+}
+
+#[test]
+fn frame_of_the_static_model_has_the_grid_of_the_lens_where_it_was_calibrated() {
+    let files = files();
+    let parameters = parameters(FmcAxis::PlusY);
+    let camera = Camera::new(CameraParameters::new(parameters)).unwrap();
+    let motion = motion(0.5, 0.1);
+    for grids in combinations(camera.calibration(), &files) {
+        let frame = |model| {
+            let exposure = Exposure {
+                model,
+                ..Exposure::new(0.1, 0.01)
+            };
+            let frame = camera.frame_of(&exposure, &motion).unwrap();
+            (frame, GriddedFrame::new(&frame, &grids))
+        };
+        let (plain, still) = frame(CorrectionModel::Static);
+        let calibrated = GriddedCorrection::calibrated(plain.correction, &grids);
+        assert_eq!(still.correction, calibrated);
+        let left_out_nm = still.interior.left_out_nm;
+        assert!((left_out_nm - calibrated.left_out_nm()).abs() <= 0.0);
+        let (_, moved) = frame(CorrectionModel::Exact);
+        let point = SensorPoint::new(3.1, -7.7);
+        let is_moved = still.correction.residual(point) != moved.correction.residual(point);
+        assert_eq!(is_moved, grids.lens().is_some());
     }
 }

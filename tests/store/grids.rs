@@ -132,3 +132,26 @@ fn supply_that_fails_while_grids_are_written_leaves_the_calibration_before() {
     }
     assert!(tried > 300, "{tried}");
 }
+
+#[test]
+fn grid_in_use_is_in_either_buffer_and_the_other_is_the_spare_one() {
+    let [first, second] = [
+        grid(GridCarrier::Lens, wave),
+        grid(GridCarrier::Lens, noise),
+    ];
+    let sensor = grid(GridCarrier::Sensor, noise);
+    let (mut memory, mut parameters) = in_use(1, &first, &sensor);
+    for file in [&second, &first, &second] {
+        memory.spare_mut(GridCarrier::Lens).clear();
+        memory.spare_mut(GridCarrier::Lens).add(file).unwrap();
+        memory.spare_mut(GridCarrier::Lens).check().unwrap();
+        let before = memory.file_in_use(GridCarrier::Lens).unwrap().to_vec();
+        assert_ne!(&before, file);
+        parameters.grids.lens = Some(ResidualGrid::parse(file).unwrap().crc32());
+        let camera = Camera::new(parameters).unwrap();
+        memory.put_into_use(&camera).unwrap();
+        assert_eq!(memory.file_in_use(GridCarrier::Lens), Some(&file[..]));
+        assert_eq!(memory.file_in_use(GridCarrier::Sensor), Some(&sensor[..]));
+        assert_eq!(memory.spare_mut(GridCarrier::Lens).bytes(), before);
+    }
+}

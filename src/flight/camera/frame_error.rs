@@ -94,3 +94,25 @@ impl fmt::Display for FrameError {
 }
 
 impl core::error::Error for FrameError {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::range::Quantity;
+
+    #[test]
+    fn reason_of_a_plan_stays_the_reason_of_its_frame() {
+        let stroke = StrokeTooShort {
+            from_mm: -2.5,
+            to_mm: 1.0,
+            half_stroke_mm: 2.0,
+        };
+        assert_eq!(FrameError::from(stroke), FrameError::Stroke(stroke));
+        let plan = PlanError::Stroke(stroke);
+        assert_eq!(FrameError::from(plan), FrameError::Stroke(stroke));
+        let range = Quantity::ExposureS.check(-1.0).unwrap_err();
+        let plan = PlanError::OutOfRange(range);
+        assert_eq!(FrameError::from(plan), FrameError::OutOfRange(range));
+        assert_eq!(FrameError::from(range), FrameError::OutOfRange(range));
+    }
+}

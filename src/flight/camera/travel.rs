@@ -111,3 +111,25 @@ impl Camera {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::flight::camera::{Camera, CameraParameters};
+    use crate::geometry::calibration::CalibrationParameters;
+    use crate::geometry::principal_point::{PrincipalPointMotion, UniformTravel};
+
+    #[test]
+    fn stage_moves_evenly_and_not_in_rows() {
+        let calibration = CalibrationParameters::new(100.0, [9216, 9216], 8.75);
+        let camera = Camera::new(CameraParameters::new(calibration)).unwrap();
+        let travel = UniformTravel {
+            opening_offset_mm: 0.5,
+            speed_mm_s: -10.0,
+            exposure_s: 0.01,
+        };
+        let smooth = PrincipalPointMotion::from_plan(travel, camera.shutter());
+        assert_eq!(camera.rows(travel), smooth);
+        assert!((camera.closing_mm(travel) - 0.4).abs() < 1e-7);
+        assert!(camera.steps_mm(travel).abs() <= 0.0);
+    }
+}

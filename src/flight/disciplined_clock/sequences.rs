@@ -139,3 +139,16 @@ fn every_short_sequence_of_time_pulses_gives_the_rate_of_a_slow_clock_and_no_jum
     // docs/models.md has this number.
     assert_eq!(sequences, 823_543);
 }
+
+#[test]
+fn clock_without_pulses_counts_as_its_counter_does() {
+    let mut clock = DisciplinedClock::default();
+    assert_eq!(clock, DisciplinedClock::new());
+    assert_eq!(clock.extend(7_000_000), Time::from_us(7_000_000));
+    assert!((clock.counted_s(0.01) - 0.01).abs() <= 0.0);
+    for second in 0..4 {
+        clock.pulse(8_000_000 + second * 1_004_000);
+    }
+    // 10 ms of a counter that is 4000 ppm fast.
+    assert!((clock.counted_s(0.01) - 0.010_04).abs() < 1e-8);
+}

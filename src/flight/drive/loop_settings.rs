@@ -164,3 +164,29 @@ impl Default for LoopSettings {
         Self::tuned(Plant::REFERENCE)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn friction_that_no_gain_tells_is_not_added() {
+        let known = LoopSettings::default();
+        // 0.25 N on 0.3 kg, and the same by 200/s and 500/s.
+        assert!((known.friction_mm_s2() - 833.333).abs() < 0.01);
+        assert!((known.friction_error_mm() - 833.333 / 1e5).abs() < 1e-6);
+        let massless = LoopSettings {
+            acceleration_feed_per_mm_s2: 0.0,
+            ..known
+        };
+        assert!(massless.friction_mm_s2().abs() <= 0.0);
+        for (position_gain_per_s, speed_gain_per_mm_s) in [(0.0, 0.02), (200.0, 0.0)] {
+            let open = LoopSettings {
+                position_gain_per_s,
+                speed_gain_per_mm_s,
+                ..known
+            };
+            assert!(open.friction_error_mm().abs() <= 0.0);
+        }
+    }
+}

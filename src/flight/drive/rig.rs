@@ -238,7 +238,10 @@ impl RigDrive {
         match &mut self.kind {
             Kind::Motor(drive) => drive.set_position(counts),
             Kind::Position(_) => {}
-            Kind::Steps(steps) => steps.drive.set_reference(),
+            Kind::Steps(steps) => {
+                steps.release();
+                steps.drive.set_reference();
+            }
         }
     }
 
@@ -316,7 +319,11 @@ impl FlownDrive for RigDrive {
         match &mut self.kind {
             Kind::Motor(drive) => drive.set_settings(settings),
             Kind::Position(drive) => FlownDrive::set_settings(drive, settings),
-            Kind::Steps(steps) => steps.drive.set_settings(settings),
+            Kind::Steps(steps) => {
+                steps.drive.set_settings(settings)?;
+                steps.release();
+                Ok(())
+            }
         }
     }
 
@@ -324,7 +331,10 @@ impl FlownDrive for RigDrive {
         match &mut self.kind {
             Kind::Motor(drive) => drive.push(now, duty),
             Kind::Position(drive) => drive.push(now, duty),
-            Kind::Steps(steps) => steps.drive.push(now, duty),
+            Kind::Steps(steps) => {
+                steps.release();
+                steps.drive.push(now, duty)
+            }
         }
     }
 
@@ -349,4 +359,14 @@ impl FlownDrive for RigDrive {
 )]
 fn pulses_of_round(rate_hz: f32) -> u16 {
     libm::roundf(rate_hz * TICK_S).max(1.0) as u16
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn switch_of_a_rig_is_open_which_is_high() {
+        assert_eq!((Open.is_high(), Open.is_low()), (Ok(true), Ok(false)));
+    }
 }

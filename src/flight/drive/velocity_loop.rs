@@ -157,6 +157,7 @@ pub(super) fn limited(value: f32, max: f32) -> f32 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::feed_forward_motion::moved;
     use super::*;
 
     const TICK: f32 = 1e-3;
@@ -218,6 +219,44 @@ mod tests {
         assert!(velocity_loop.integral.abs() < 0.15, "{velocity_loop:?}");
         let duties = [(); 5].map(|()| velocity_loop.duty(end, 3.4, TICK));
         assert!(duties[4].abs() <= 0.0, "{duties:?}");
+    }
+
+    #[test]
+    fn integral_comes_back_from_the_limit_of_the_duty_and_goes_no_further() {
+        for (offset_mm, has_come_back) in [(-0.005, false), (0.005, true)] {
+            let mut velocity_loop = VelocityLoop::new(exact());
+            // A push that asks for more than there is: 0.3 kg at 40 m/s² of 6 N.
+            let pushed = Setpoint {
+                acceleration_mm_s2: 40_000.0,
+                ..Setpoint::default()
+            };
+            velocity_loop.duty(pushed, offset_mm, 0.0);
+            velocity_loop.restart();
+            velocity_loop.led.lead(
+                pushed,
+                0.0,
+                Delays {
+                    reading: 0.0,
+                    duty: 0.0,
+                    tick: TICK,
+                },
+            );
+            let there = moved(pushed, TICK);
+            let duty = velocity_loop.duty(there, there.offset_mm + offset_mm, TICK);
+            assert!(duty >= 1.0, "{duty}");
+            assert_eq!(velocity_loop.integral < 0.0, has_come_back);
+            assert!(velocity_loop.integral <= 0.0, "{velocity_loop:?}");
+        }
+    }
+
+    #[test]
+    fn call_that_comes_soon_has_its_slope_over_the_shortest_tick() {
+        let mut velocity_loop = VelocityLoop::new(exact());
+        velocity_loop.duty(Setpoint::default(), 0.0, TICK);
+        // 5 µm in 0.1 ms count as 25 mm/s, and the whole slope is taken.
+        velocity_loop.duty(Setpoint::default(), -0.005, 0.5 * SHORTEST_TICK_S);
+        let slope_mm_s = velocity_loop.slope_mm_s;
+        assert!((slope_mm_s - 25.0).abs() < 1e-3, "{slope_mm_s}");
     }
 
     #[test]

@@ -166,3 +166,28 @@ fn play_is_in_the_error_of_a_flight_against_the_axis_with_the_encoder_on_the_scr
     assert!(is_play_in_error(&screw, false, 1.0));
     assert!(!is_play_in_error(&stage, false, -1.0));
 }
+
+#[test]
+fn slower_pair_that_is_more_uneven_is_no_better_reference() {
+    let pair = |watch: &mut PlayWatch, speed_mm_s: f32, change_mm_s: f32| {
+        let crossing = |place_mm, speed_mm_s| {
+            let mut crossing = crossing(place_mm, speed_mm_s);
+            crossing.speed.change_mm_s = change_mm_s;
+            crossing
+        };
+        let along = crossing(0.0, speed_mm_s).passage(&drive());
+        assert!(!watch.cross_along(Some(along)));
+        let upper_mm = WIDTH_MM - PLAY_MM;
+        watch.cross_against(&crossing(upper_mm, -speed_mm_s), &drive(), true)
+    };
+    let mut watch = PlayWatch::new();
+    assert_eq!(pair(&mut watch, 50.0, 0.1), None);
+    let first = watch.reference;
+    assert!(pair(&mut watch, 5.0, 40.0).unwrap().agrees);
+    assert_eq!(watch.reference, first, "the even pair stays");
+    assert!(pair(&mut watch, 5.0, 0.1).unwrap().agrees);
+    assert_ne!(
+        watch.reference, first,
+        "the slow and even one takes its place"
+    );
+}

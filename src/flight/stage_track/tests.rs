@@ -218,3 +218,44 @@ fn bend_is_that_of_readings_however_near_a_latched_place_is() {
     assert!(path.bend_mm < 1e-6, "{}", path.bend_mm);
     assert_eq!(path.samples.first().map(|it| it.time_s), Some(0.0));
 }
+
+#[test]
+fn exposure_far_from_all_places_is_not_covered() {
+    let mut track = StageTrack::default();
+    for tick in 10..20 {
+        track.push(place(1000 * tick));
+    }
+    // Before the first place by more than is continued, and after the last.
+    for [opened, closed] in [[5000, 12_000], [22_000, 27_000], [5000, 6000]] {
+        let path = track.path(Time::from_us(opened), Time::from_us(closed));
+        assert!(!path.is_covered && !path.is_continued, "{path:?}");
+    }
+    let alone = track.path(Time::from_us(22_000), Time::from_us(27_000));
+    assert_eq!(alone.samples.len(), 1);
+    assert!(alone.wander_mm <= 0.0 && alone.longest_gap_s <= 0.0);
+}
+
+#[test]
+fn place_latched_before_a_long_exposure_makes_no_difference_to_it() {
+    let [opened, closed] = [19_300, 19_300 + 200_000].map(Time::from_us);
+    let path = |is_latched: bool| {
+        let mut track = StageTrack::new();
+        for tick in 0..20 {
+            track.push(place(1000 * tick));
+            if tick == 10 && is_latched {
+                track.latch(StagePlace {
+                    reading: PlaceReading::latched(0.0),
+                    ..place(9500)
+                });
+            }
+        }
+        track.keep_from(opened);
+        for tick in 20..=220 {
+            track.push(place(1000 * tick));
+        }
+        track.path(opened, closed)
+    };
+    let [with, without] = [path(true), path(false)];
+    assert!(with.is_covered);
+    assert_eq!(with.samples, without.samples);
+}

@@ -260,3 +260,42 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn time_that_came_before_the_last_pulse_is_from_the_past() {
+    let mut clock = running(5);
+    let before = pulse_at(4).plus_s(-0.001);
+    let found = clock.receiver_time(before, (NEW_YEAR_S + 3) * US_PER_S);
+    assert_eq!(found, Some(UtcFinding::FromThePast));
+    // It has changed nothing.
+    assert_eq!(second(&mut clock, 5), [None, None]);
+    assert!(error_us(&clock, 5, 0).abs() <= 2);
+}
+
+#[test]
+fn names_that_change_before_any_is_trusted_begin_anew() {
+    let mut clock = UtcClock::new(SIGMA_S);
+    assert_eq!(second(&mut clock, 0), [None, None]);
+    // A second that is a leap off, once: nothing has been trusted that it contradicts.
+    assert_eq!(clock.pulse(pulse_at(1)), None);
+    let off = (NEW_YEAR_S + 1 - 18) * US_PER_S;
+    assert_eq!(clock.receiver_time(message_at(1), off), None);
+    for s in 2..4 {
+        assert_eq!(second(&mut clock, s), [None, None]);
+        assert_eq!(clock.utc(pulse_at(s)), None, "{s}");
+    }
+    assert_eq!(second(&mut clock, 4), [None, None]);
+    assert!(error_us(&clock, 4, 0).abs() <= 2);
+}
+
+#[test]
+fn seconds_that_contradict_the_count_differently_do_not_replace_it() {
+    let mut clock = running(10);
+    for (s, off_s) in (10..).zip([18, 17, 18, 17, 18, 17]) {
+        assert_eq!(clock.pulse(pulse_at(s)), None);
+        let wrong = (NEW_YEAR_S + s - off_s) * US_PER_S;
+        let found = clock.receiver_time(message_at(s), wrong);
+        assert_eq!(found, Some(UtcFinding::WrongSecond(-off_s.cast_signed())));
+    }
+    assert!(error_us(&clock, 15, 0).abs() <= 2);
+}

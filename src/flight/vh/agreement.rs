@@ -185,3 +185,44 @@ fn is_fresher(other: &Held, better: &Held) -> bool {
 fn square(value: f32) -> f32 {
     value * value
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn held(value: f32) -> Held {
+        Held {
+            value,
+            variance: 1e-6,
+            change_per_s: 0.0,
+            bounds: [value; 2],
+            is_in_doubt: false,
+            age_s: 0.1,
+            silent: false,
+        }
+    }
+
+    #[test]
+    fn way_outside_the_limits_of_the_camera_gives_way_to_one_inside_below_and_above() {
+        let limits = Limits {
+            now: Time::START,
+            difference: 0.1,
+            plausible: [0.02, 0.2],
+        };
+        for (first, second, is_first) in [
+            (0.01, 0.1, false),
+            (0.3, 0.1, false),
+            (0.1, 0.01, true),
+            (0.1, 0.3, true),
+            // Rank decides between two that are inside, and two that are outside.
+            (0.05, 0.1, true),
+            (0.01, 0.3, true),
+        ] {
+            let ways = [Some(held(first)), Some(held(second))];
+            let chosen = Agreement::NEW.choose(&ways, &limits).unwrap();
+            assert_eq!(chosen.index, usize::from(!is_first), "{chosen:?}");
+            let other = if is_first { second } else { first };
+            assert_eq!(chosen.against, Some(other));
+        }
+    }
+}

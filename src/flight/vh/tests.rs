@@ -83,3 +83,64 @@ fn error(monitor: &VhMonitor, seconds: f32) -> Option<f32> {
     let estimate = monitor.estimate(at(seconds))?;
     Some((estimate.vh_per_s - VH).abs() / VH)
 }
+
+#[test]
+fn channels_and_kinds_have_names_and_each_kind_its_count() {
+    let names = VhChannel::ALL.map(VhChannel::name);
+    let expected = [
+        "V/H",
+        "ground speed",
+        "inertial speed",
+        "height above ground",
+        "laser height",
+        "altitude",
+        "terrain height",
+    ];
+    assert_eq!(names, expected);
+    let kinds = [
+        (VhFindingKind::NotANumber, "not a number"),
+        (VhFindingKind::OutOfRange, "out of range"),
+        (VhFindingKind::WrongSign, "wrong sign"),
+        (VhFindingKind::WrongUnit(WrongUnit::Feet), "feet for metres"),
+        (
+            VhFindingKind::WrongUnit(WrongUnit::Knots),
+            "knots for metres per second",
+        ),
+        (VhFindingKind::Jump, "jump"),
+        (VhFindingKind::Frozen, "frozen"),
+        (VhFindingKind::FromThePast, "from the past"),
+        (VhFindingKind::Disagreement, "disagreement"),
+        (VhFindingKind::Recovered, "recovered"),
+    ];
+    let mut counters = VhCounters::default();
+    for (times, (kind, name)) in (1..).zip(kinds) {
+        assert_eq!(kind.name(), name);
+        let before = counters.of(kind);
+        for _ in 0..times {
+            counters.count(kind);
+        }
+        assert_eq!(counters.of(kind), before + times, "{name}");
+    }
+    // Both units have one count.
+    let units = VhFindingKind::WrongUnit(WrongUnit::Feet);
+    assert_eq!((counters.wrong_unit, counters.of(units)), (4 + 5, 9));
+}
+
+#[test]
+fn monitor_shows_its_settings_and_values_are_those_of_their_channels() {
+    let mut settings = VhSettings::DEFAULT;
+    settings.direct.latency_s = 0.123;
+    assert_eq!(VhMonitor::new(settings).settings(), &settings);
+    let values = values::Values {
+        direct: Some(0.0),
+        ground_speed: Some(1.0),
+        inertial_speed: Some(2.0),
+        radar: Some(3.0),
+        laser: Some(4.0),
+        altitude: Some(5.0),
+        terrain: None,
+    };
+    let of = VhChannel::ALL.map(|channel| values.of(channel));
+    let numbers = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0].map(Some);
+    assert_eq!((&of[..6], of[6]), (&numbers[..], None));
+}

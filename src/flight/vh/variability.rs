@@ -155,3 +155,35 @@ fn average(mean: &mut f32, found: f32, count: &mut f32) {
 fn square(value: f32) -> f32 {
     value * value
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::flight::time::Time;
+    use crate::flight::vh::VhSettings;
+
+    fn at(ms: u64, value: f32) -> Stamped {
+        Stamped {
+            time: Time::from_us(1000 * ms),
+            value,
+        }
+    }
+
+    #[test]
+    fn samples_of_one_time_or_after_a_silence_are_not_compared() {
+        let settings = VhSettings::DEFAULT.ground_speed;
+        for after in [at(1000, 70.0), at(4001, 70.0)] {
+            let mut variability = Variability::NEW;
+            variability.begin(&settings);
+            let before = variability.variances();
+            variability.take(&settings, at(1000, 60.0), after);
+            assert_eq!(variability.variances(), before);
+            assert_eq!(variability.reference, Some(after));
+        }
+        let mut variability = Variability::NEW;
+        variability.begin(&settings);
+        let [noise, _] = variability.variances();
+        variability.take(&settings, at(1000, 60.0), at(1100, 70.0));
+        assert!(variability.variances()[0] > noise);
+    }
+}

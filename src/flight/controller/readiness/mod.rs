@@ -383,4 +383,35 @@ mod tests {
             }
         }
     }
+
+    #[test]
+    fn whole_microseconds_are_the_nearest() {
+        let seconds = [0.0, 0.25e-6, 0.75e-6, 0.0105, 2.5];
+        let us = seconds.map(|seconds| whole_us(core::hint::black_box(seconds)));
+        assert_eq!(us, [0, 0, 1, 10_500, 2_500_000]);
+    }
+
+    #[cfg(feature = "link")]
+    #[test]
+    fn camera_that_waits_to_be_disarmed_flies_no_more() {
+        let mut readiness = Readiness::new(Mode::Armed);
+        assert!(readiness.is_flying());
+        assert_eq!(readiness.disarm(State::Exposing), Disarming::Later);
+        assert!(!readiness.is_flying());
+        // The command to arm takes it back.
+        assert_eq!(readiness.arm(), Ok(false));
+        assert!(readiness.is_flying());
+    }
+
+    #[test]
+    fn fault_of_the_watchdog_lasts_while_the_supply_is_low() {
+        let mut readiness = Readiness::new(Mode::Fault(Fault::Watchdog));
+        assert!(!readiness.is_over(Fault::Watchdog, || true), "a new flight");
+        readiness.fly_on();
+        readiness.set_supply(false);
+        assert!(!readiness.is_over(Fault::Watchdog, || true));
+        readiness.set_supply(true);
+        assert!(!readiness.is_over(Fault::Watchdog, || false));
+        assert!(readiness.is_over(Fault::Watchdog, || true));
+    }
 }

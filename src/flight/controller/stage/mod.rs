@@ -455,3 +455,6 @@ const fn is_of_the_stage(fault: Fault) -> bool {
             | Fault::Drive
     )
 }
+
+#[cfg(test)]
+mod tests;
