@@ -370,3 +370,56 @@ impl Channel {
 const fn is_same(before: f32, value: f32) -> bool {
     before.to_bits() == value.to_bits()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::flight::vh::VhSettings;
+
+    fn at(ms: u64, value: f32) -> Stamped {
+        Stamped {
+            time: Time::from_us(1000 * ms),
+            value,
+        }
+    }
+
+    #[test]
+    fn source_without_a_trusted_value_is_not_barred_and_frozen_from_its_first_sample() {
+        let mut channel = Channel::NEW;
+        channel.bar(WrongUnit::Knots);
+        assert!(!channel.refused && channel.last.is_none());
+        let settings = ChannelSettings {
+            frozen_s: 1.0,
+            ..VhSettings::DEFAULT.ground_speed
+        };
+        channel.repeated = Some(at(0, 60.0));
+        let others = Others {
+            expected: None,
+            height_m: None,
+        };
+        let refused = channel.judge(&settings, None, at(1001, 60.0), &others);
+        let Err(refusal) = refused else {
+            panic!("{refused:?}");
+        };
+        assert_eq!(refusal.kind, VhFindingKind::Frozen);
+        assert!(channel.last.is_none());
+    }
+
+    #[test]
+    fn last_value_is_unchanged_only_since_a_sample_of_the_same_value() {
+        let settings = ChannelSettings {
+            frozen_s: 5.0,
+            ..VhSettings::DEFAULT.ground_speed
+        };
+        let since = |first| {
+            let channel = Channel {
+                repeated: Some(first),
+                ..Channel::NEW
+            };
+            channel.unchanged_s(&settings, at(3000, 60.0))
+        };
+        assert!((since(at(1000, 60.0)) - 2.0).abs() < 1e-6);
+        assert!(since(at(1000, 60.1)).abs() <= 0.0);
+        assert!(since(at(3000, 60.0)).abs() <= 0.0);
+    }
+}

@@ -15,8 +15,8 @@ fn camera() -> CameraParameters {
     CameraParameters::new(CalibrationParameters::new(100.0, [9216, 9216], 8.75))
 }
 
-fn prepared(camera: CameraParameters, settings: &FlightSettings) -> PreparedCamera {
-    let camera = Camera::new(camera).unwrap();
+fn prepared(camera: &CameraParameters, settings: &FlightSettings) -> PreparedCamera {
+    let camera = Camera::new(*camera).unwrap();
     PreparedCamera::new(camera, settings, Start::Orderly).unwrap()
 }
 
@@ -28,7 +28,7 @@ fn with_mark() -> FlightSettings {
 
 #[test]
 fn stage_is_not_sent_from_or_to_a_place_that_is_no_number_or_outside_the_stroke() {
-    let mut camera = prepared(camera(), &FlightSettings::default());
+    let mut camera = prepared(&camera(), &FlightSettings::default());
     let (setup, controller) = camera.flown();
     for place_mm in [f32::NAN, f32::INFINITY, 2.001, -2.001] {
         assert!(!controller.stage.go_to(&setup, NOW, place_mm));
@@ -45,7 +45,7 @@ fn stage_is_not_sent_from_or_to_a_place_that_is_no_number_or_outside_the_stroke(
 
 #[test]
 fn camera_whose_last_reading_is_no_number_does_not_move_its_stage_and_reports_the_encoder() {
-    let mut camera = prepared(camera(), &FlightSettings::default());
+    let mut camera = prepared(&camera(), &FlightSettings::default());
     let (setup, controller) = camera.flown();
     controller.stage.read_mm = Some(f32::NAN);
     let mut actions = Actions::new();
@@ -56,7 +56,7 @@ fn camera_whose_last_reading_is_no_number_does_not_move_its_stage_and_reports_th
 
 #[test]
 fn stage_whose_next_place_is_no_number_is_released_with_a_fault_of_the_drive() {
-    let mut camera = prepared(camera(), &FlightSettings::default());
+    let mut camera = prepared(&camera(), &FlightSettings::default());
     let (setup, controller) = camera.flown();
     let mut actions = Actions::new();
     controller.resume(&setup, NOW, &mut actions);
@@ -76,10 +76,10 @@ fn second_look_asks_nothing_of_rows_and_of_a_stage_whose_place_is_lost() {
         mechanism,
         ..camera()
     };
-    let mut rows = prepared(rows, &FlightSettings::default());
+    let mut rows = prepared(&rows, &FlightSettings::default());
     let (setup, controller) = rows.flown();
     assert!(controller.stage.moves_as_set(&setup, NOW, 0.01));
-    let mut staged = prepared(camera(), &FlightSettings::default());
+    let mut staged = prepared(&camera(), &FlightSettings::default());
     let (setup, controller) = staged.flown();
     assert!(!controller.stage.moves_as_set(&setup, NOW, 0.01));
     controller.stage.fail(Fault::Encoder);
@@ -116,7 +116,7 @@ fn crossing_counts_if_the_readings_about_it_move_as_the_stage_was_told() {
         (false, 0.0, false),
         (false, -0.01, true),
     ] {
-        let mut camera = prepared(camera(), &with_mark());
+        let mut camera = prepared(&camera(), &with_mark());
         let (setup, controller) = camera.flown();
         // A crossing along the axis, with which one against it makes a pair.
         cross(controller, true, 0.01, 0.0);
