@@ -17,3 +17,4 @@ mod other_readers;
 mod strangers;
 #[path = "../../fuzz/aircraft.rs"]
 mod targets;
+mod texts;

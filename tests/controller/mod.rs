@@ -26,3 +26,4 @@ mod sequences;
 mod shutter_faults;
 mod stage_faults;
 mod table;
+pub(crate) mod texts;

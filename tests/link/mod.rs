@@ -38,6 +38,7 @@ mod stored;
 #[path = "../../fuzz/targets.rs"]
 mod targets;
 mod temperature;
+mod texts;
 mod trial_bench;
 mod trial_faults;
 mod without_eyes;

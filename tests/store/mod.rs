@@ -22,4 +22,5 @@ mod short_words;
 mod signatures;
 pub(crate) mod signed;
 mod succession;
+mod texts;
 mod wrong_rings;
