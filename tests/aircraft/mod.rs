@@ -9,6 +9,7 @@
 )]
 
 mod autopilots;
+mod counts;
 mod fuzzed;
 mod instruments;
 mod mavlink;

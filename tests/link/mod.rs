@@ -41,5 +41,6 @@ mod temperature;
 mod texts;
 mod trial_bench;
 mod trial_faults;
+mod wired;
 mod without_eyes;
 mod wrong_bits;
