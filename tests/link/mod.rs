@@ -30,6 +30,7 @@ mod power_cuts;
 mod refusals;
 mod repeats;
 mod resets;
+mod ring_entries;
 #[cfg(all(feature = "estimation", feature = "store"))]
 mod schema;
 mod short_streams;

@@ -10,6 +10,7 @@
 )]
 
 pub(crate) mod calibrations;
+mod contents;
 mod cuts;
 pub(crate) mod flash_model;
 mod fuzzed;
@@ -23,4 +24,5 @@ mod signatures;
 pub(crate) mod signed;
 mod succession;
 mod texts;
+mod vast;
 mod wrong_rings;
