@@ -27,6 +27,7 @@ mod longest_answers;
 mod messages;
 pub(crate) mod pc;
 mod power_cuts;
+mod record_copies;
 mod refusals;
 mod repeats;
 mod resets;

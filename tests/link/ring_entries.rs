@@ -1,5 +1,6 @@
 //! Entries of the ring that a start finds alone, damaged, or of another flight than memory has.
 
+use embedded_storage::nor_flash::{ErrorType, NorFlash, NorFlashErrorKind, ReadNorFlash};
 use fmc_camera::flight::calibration_id::Storage;
 use fmc_camera::flight::camera::Camera;
 use fmc_camera::flight::controller::state::State;
@@ -8,9 +9,11 @@ use fmc_camera::flight::fault::Fault;
 use fmc_camera::flight::record_log::CAPACITY;
 use fmc_camera::io::link::after_reset::FlightAfterReset;
 use fmc_camera::io::link::deck::FlightDeck;
+use fmc_camera::io::link::flight_memory::FlightMemory;
 use fmc_camera::io::link::message::{Answer, Identity, ResetCause};
 use fmc_camera::io::link::station::Station;
-use fmc_camera::io::store::record_ring::{ENTRY_WORDS, Erasing, RingState};
+use fmc_camera::io::store::record_flash::RecordFlash;
+use fmc_camera::io::store::record_ring::{ENTRY_WORDS, Erasing, RecordRing, RingState};
 
 use crate::link::in_flight::Flight;
 use crate::link::pc::{Pc, camera_parameters};
@@ -214,6 +217,94 @@ fn camera_with_a_ring_and_without_memory_has_its_records_after_every_start() {
     assert_eq!((found.boot, found.flight, found.records), (2, 1, 1));
     let holder = pc.station.deck_mut().record_holder().unwrap();
     assert_eq!(holder.record(1), before.first().copied());
+}
+
+/// A flash of which a word can be read once, and not again.
+#[derive(Debug)]
+struct Fading {
+    model: Flash,
+    offset: u32,
+    reads: u32,
+}
+
+impl ErrorType for Fading {
+    type Error = NorFlashErrorKind;
+}
+
+impl ReadNorFlash for Fading {
+    const READ_SIZE: usize = Flash::READ_SIZE;
+
+    fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), Self::Error> {
+        self.reads += u32::from(offset == self.offset);
+        if offset == self.offset && self.reads > 1 {
+            return Err(NorFlashErrorKind::Other);
+        }
+        self.model.read(offset, bytes)
+    }
+
+    fn capacity(&self) -> usize {
+        self.model.capacity()
+    }
+}
+
+impl NorFlash for Fading {
+    const WRITE_SIZE: usize = Flash::WRITE_SIZE;
+    const ERASE_SIZE: usize = Flash::ERASE_SIZE;
+
+    fn erase(&mut self, from: u32, to: u32) -> Result<(), Self::Error> {
+        self.model.erase(from, to)
+    }
+
+    fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), Self::Error> {
+        self.model.write(offset, bytes)
+    }
+}
+
+impl RecordFlash for Fading {
+    fn begin_erasure(&mut self, offset: u32) -> Result<(), Self::Error> {
+        self.model.begin_erasure(offset)
+    }
+
+    fn end_erasure(&mut self) -> Option<Result<(), Self::Error>> {
+        self.model.end_erasure()
+    }
+}
+
+#[test]
+fn record_of_memory_that_the_flash_gives_once_and_not_again_is_written_again() {
+    let memory = blank_memory();
+    let (mut flight, mut own) = start(ResetCause::PowerOn, memory, Flash::blank());
+    fly(&mut flight, &mut own);
+    let mut places = Vec::new();
+    for _ in 0..3 {
+        expose(&mut flight);
+        places.push(own.next());
+        settle(&mut flight, &mut own);
+    }
+    let before = all_records(&mut flight);
+    let flash = own.into_flash().started();
+    let written = |offset| {
+        let words = memory.words();
+        let memory = Box::leak(Box::new(FlightMemory::of_words(words)));
+        let fading = Fading {
+            model: flash.clone(),
+            offset,
+            reads: 0,
+        };
+        let mut flight = Flight::after_reset(ResetCause::Watchdog, memory);
+        let mut ring = RecordRing::open(fading, 0, 6).unwrap();
+        flight.pc.station.keep_records_in(&mut ring);
+        assert_eq!(all_records(&mut flight), before);
+        let next = ring.next();
+        for _ in 0..1000 {
+            flight.pc.station.keep_records(&mut ring);
+        }
+        ring.next() - next
+    };
+    // The newest entry, whose last word may have been cut, and the number of the start.
+    assert_eq!(written(u32::MAX), 2);
+    let entry_bytes = u32::try_from(ENTRY_WORDS).unwrap() * 32;
+    assert_eq!(written(places[1] * entry_bytes + 32), 3);
 }
 
 #[test]
