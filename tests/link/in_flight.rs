@@ -100,11 +100,19 @@ impl Flight {
             let is_against = before_mm > UPPER_EDGE_MM && offset_mm <= UPPER_EDGE_MM;
             is_against.then_some(UPPER_EDGE_MM)
         };
+        let latched_mm = edge_mm.filter(|_| self.has_index).map(|edge_mm| {
+            let part = (edge_mm - before_mm) / (offset_mm - before_mm);
+            let crossed = now.plus_s(1e-3 * (part - 1.0));
+            let setpoint = controller.setpoint(crossed);
+            // A latched count is as old as a reading.
+            let age_s = FlightSettings::default().drive.velocity_loop.reading_age_s;
+            edge_mm - setpoint.map_or(0.0, |it| it.speed_mm_s) * age_s
+        });
         let counts = |place_mm: f32| format!("{:.0}", place_mm * 1e4).parse().unwrap();
         let mut step = RigStep {
             time: now,
             encoder_count: counts(offset_mm),
-            index_count: edge_mm.filter(|_| self.has_index).map(counts),
+            index_count: latched_mm.map(counts),
             ..RigStep::default()
         };
         let due = self.edges.extract_if(.., |(time, _)| *time <= now);

@@ -12,6 +12,7 @@ mod board;
 mod bring_up;
 mod conversation;
 mod damage;
+mod doubted_records;
 mod exchange;
 #[cfg(feature = "estimation")]
 mod fit;
