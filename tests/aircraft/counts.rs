@@ -8,6 +8,9 @@ use fmc_camera::io::instruments::counters::{AutopilotCounters, ReceiverCounters}
 use super::instruments::*;
 use crate::aircraft::targets::{Kind, frame, sentence};
 
+/// Place of a count.
+type Count<Counters> = fn(&mut Counters) -> &mut u32;
+
 fn of_receiver(bytes: &[u8]) -> ReceiverCounters {
     let mut wires = Wires::default();
     wires.send(bytes, &[]);
@@ -30,8 +33,7 @@ fn every_reason_against_a_sentence_has_its_own_count() {
     };
     let mut wrong_sum = rmc("120000", "100.0", "010126", "A");
     wrong_sum[10] ^= 1;
-    type Count = fn(&mut ReceiverCounters) -> &mut u32;
-    let cases: [(Vec<u8>, Count); 10] = [
+    let cases: [(Vec<u8>, Count<ReceiverCounters>); 10] = [
         (sentence("GPRMC", &[b'x'; 200]), |it| &mut it.oversized),
         (wrong_sum, |it| &mut it.checksum),
         (rmc("120000", "1e3", "010126", "A"), |it| &mut it.malformed),
@@ -80,8 +82,7 @@ fn every_reason_against_a_message_has_its_own_count() {
     wrong_sum[12] ^= 1;
     let beyond = from([1, 1], 141, 47, &altitude(f32::INFINITY, 0.0, -1.0));
     let nowhere = frame(Kind::Two, 33, 104, &[1, 0, 0, 0, 0, 0, 0, 0]);
-    type Count = fn(&mut AutopilotCounters) -> &mut u32;
-    let cases: [(Vec<u8>, Count); 5] = [
+    let cases: [(Vec<u8>, Count<AutopilotCounters>); 5] = [
         (wrong_sum, |it| &mut it.checksum),
         (distance(50_000, 99), |it| &mut it.malformed),
         (nowhere, |it| &mut it.no_fix),

@@ -121,7 +121,9 @@ fn refusal_of_a_load_or_a_store_says_why() {
             "the part goes beyond the length announced",
         ),
         (
-            Refusal::LoadCrc { computed: 0xc0ffee },
+            Refusal::LoadCrc {
+                computed: 0x00c0_ffee,
+            },
             "what was loaded has CRC-32 00c0ffee, not the one announced",
         ),
         (
