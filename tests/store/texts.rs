@@ -219,7 +219,10 @@ fn key_and_signature_are_shown_as_hexadecimal_digits_in_order() {
     for (place, byte) in bytes.iter_mut().zip(0_u8..) {
         *place = byte * 4;
     }
-    let digits = |bytes: &[u8]| -> String { bytes.iter().map(|it| format!("{it:02x}")).collect() };
+    let digits = |bytes: &[u8]| -> String {
+        let digits: Vec<String> = bytes.iter().map(|it| format!("{it:02x}")).collect();
+        digits.concat()
+    };
     let shown = format!("{:?}", Signature::new(&bytes));
     assert_eq!(shown, digits(&bytes));
     assert_eq!(&shown[..8], "0004080c");
