@@ -7,6 +7,7 @@ use fmc_camera::flight::vh::VhSample;
 use fmc_camera::io::instruments::Instruments;
 
 use super::instruments::*;
+use crate::aircraft::targets::{Kind, frame};
 
 const GIMBAL: [u8; 2] = [1, 154];
 const AUTOPILOT: [u8; 2] = [1, 1];
@@ -132,4 +133,30 @@ fn clock_of_the_autopilot_that_is_ahead_or_late_names_the_right_second() {
             assert_eq!(utc.unix_us, expected_us, "{ahead_us} µs at {sent_us} µs");
         }
     }
+}
+
+/// A cut message of the same wire hides whole ones until as many bytes have come as it claims.
+#[test]
+fn messages_behind_a_false_beginning_come_in_the_rounds_after_it_without_another_byte() {
+    let times = [1_767_225_600_000_000, 1_767_225_601_000_000_u64];
+    let mut hidden = Vec::new();
+    for unix_us in times {
+        let payload = [&unix_us.to_le_bytes()[..], &[0; 4]].concat();
+        hidden.extend(frame(Kind::One, 2, 137, &payload));
+    }
+    // A position that claims all of the hidden bytes for its payload and checksum.
+    let length = u8::try_from(hidden.len() - 2).unwrap();
+    let false_beginning = [0xfe, length, 0, 1, 1, 33];
+    let mut wires = Wires::default();
+    wires.send(&[], &[&false_beginning[..], &hidden].concat());
+    assert_eq!(wires.taken(), []);
+    for unix_us in times {
+        wires.round();
+        assert_eq!(wires.taken(), [Event::GnssTime(unix_us - 250_000)]);
+    }
+    wires.round();
+    assert_eq!(wires.taken(), []);
+    let counters = wires.instruments.counters().autopilot;
+    assert_eq!((counters.read, counters.checksum), (2, 1));
+    assert_eq!(counters.unexplained_bytes, 6);
 }

@@ -328,6 +328,37 @@ fn events_of_the_wires_find_their_place_among_those_of_a_rig_and_wait_where_ther
 }
 
 #[test]
+fn sample_stands_before_events_of_a_rig_that_came_after_the_first_byte_of_its_sentence() {
+    let mut instruments = Instruments::new();
+    for byte in &speed_of("GP", 100.0) {
+        instruments.push(Wire::Receiver, *byte);
+    }
+    // The sentence begins in the round at 1 ms.
+    let began = Time::from_us(1000);
+    let mut found = Vec::new();
+    for round in 1..=4 {
+        let mut step = RigStep {
+            time: Time::from_us(1000 * round),
+            ..RigStep::default()
+        };
+        for before_us in [950, 50] {
+            let time = Time::from_us(step.time.us() - before_us);
+            step.events.push((time, Event::Trigger)).unwrap();
+        }
+        let own = step.events.to_vec();
+        let wired = instruments.wired(&step).events;
+        if wired.len() > own.len() {
+            let sample = (began, knots(100.0));
+            assert_eq!(wired[..], [&[sample][..], &own].concat());
+            found.push(round);
+        } else {
+            assert_eq!(wired[..], own);
+        }
+    }
+    assert_eq!(found, [3]);
+}
+
+#[test]
 fn lost_bytes_are_counted_with_those_that_have_come() {
     let mut instruments = Instruments::new();
     instruments.count_lost(Wire::Autopilot, 3);

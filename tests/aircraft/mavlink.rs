@@ -194,6 +194,22 @@ fn attitude_has_its_drift_from_the_track_of_the_last_second() {
 }
 
 #[test]
+fn drift_is_the_shorter_way_round_in_either_direction() {
+    // The track is 36 m/s south and 48 m/s west: 53.1301° less than half a turn, to the left.
+    let mut payload = position();
+    for (place, number) in [(20, -3600_i16), (22, -4800)] {
+        payload[place..place + 2].copy_from_slice(&number.to_le_bytes());
+    }
+    let mut receiver = MavlinkReceiver::new();
+    messages(&mut receiver, &frame(Kind::Two, 33, 104, &payload));
+    let heading_deg = 150.0_f32;
+    let read = messages(&mut receiver, &attitude(1500, heading_deg.to_radians()));
+    let drift_deg = read[0].attitude.unwrap().drift_deg;
+    // -126.8699° - 150° + 360°.
+    assert!((drift_deg - 83.1301).abs() < 1e-4, "{drift_deg}");
+}
+
+#[test]
 fn reading_names_its_system_and_bytes_of_no_frame_are_counted() {
     let mut receiver = MavlinkReceiver::new();
     let heartbeat = frame(Kind::Two, 0, 50, &[0; 9]);

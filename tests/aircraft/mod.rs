@@ -9,6 +9,7 @@
 )]
 
 mod autopilots;
+mod counts;
 mod fuzzed;
 mod instruments;
 mod mavlink;
@@ -17,3 +18,4 @@ mod other_readers;
 mod strangers;
 #[path = "../../fuzz/aircraft.rs"]
 mod targets;
+mod texts;

@@ -193,6 +193,43 @@ fn position_beyond_the_poles_or_half_a_turn_is_refused() {
 }
 
 #[test]
+fn side_of_a_position_that_is_none_of_its_two_is_refused() {
+    for (north, east) in [("E", "W"), ("N", "S"), ("", "W"), ("n", "E"), ("NS", "E")] {
+        let fields = format!("120000,A,4800.0,{north},01131.0,{east},100.0,054.7,010126,,");
+        let found = answer("GPRMC", &fields);
+        assert_eq!(found, Err(NmeaError::Malformed), "{north} {east}");
+    }
+    let south = answer("GPRMC", "120000,A,4800.0,S,01131.0,E,100.0,,010126,,").unwrap();
+    assert_eq!(south.position.unwrap().latitude, -48 * 600_000);
+}
+
+#[test]
+fn sentence_without_a_whole_name_is_ignored_and_one_without_fields_refused() {
+    // The checksum is right in all of them.
+    for short in ["$*00\r\n", "$G*47\r\n", "$GP*17\r\n", "$GPGG*17\r\n"] {
+        assert_eq!(answers(short.as_bytes()), [], "{short}");
+    }
+    let bare = answers(b"$GPGGA*56\r\n");
+    assert_eq!(bare, [Err(NmeaError::NoFix)]);
+    // Behind a name that goes on there are no fields.
+    let longer = answers(b"$GPVTGX,,,,,5.0,N*6F\r\n");
+    assert_eq!(longer, [Err(NmeaError::NoFix)]);
+}
+
+#[test]
+fn sentence_is_under_way_from_its_first_byte_to_its_last() {
+    let mut receiver = NmeaReceiver::new();
+    assert!(!receiver.is_under_way());
+    let (end, text) = GGA[..GGA.len() - 1].split_last().unwrap();
+    for byte in text {
+        assert_eq!(receiver.receive(*byte), None);
+        assert!(receiver.is_under_way());
+    }
+    assert!(receiver.receive(*end).unwrap().is_ok());
+    assert!(!receiver.is_under_way());
+}
+
+#[test]
 fn bytes_of_another_baud_rate_are_counted_as_unexplained() {
     let mut receiver = NmeaReceiver::new();
     let read = received(&mut receiver, &[RMC, GGA].concat());

@@ -152,3 +152,21 @@ fn receiver_counts_before_what_the_autopilot_makes_of_it() {
     wires.send(&[], &position());
     assert_eq!(wires.taken(), alone);
 }
+
+#[test]
+fn time_of_the_autopilot_is_ignored_while_the_receiver_gives_time() {
+    let unix_us = 1_767_268_811_000_000_u64;
+    let time = from([1, 1], 2, 137, &unix_us.to_le_bytes());
+    let of_autopilot = Event::GnssTime(unix_us - 250_000);
+    let mut wires = Wires::default();
+    wires.send(&[], &time);
+    assert_eq!(wires.taken(), [of_autopilot]);
+    wires.send(&time_of("GP", 1.0, 10, 100.0), &[]);
+    wires.taken();
+    wires.send(&[], &time);
+    assert_eq!(wires.taken(), []);
+    assert_eq!(wires.instruments.counters().autopilot.read, 2);
+    wires.wait_ms(ALIVE_US / 1000);
+    wires.send(&[], &time);
+    assert_eq!(wires.taken(), [of_autopilot]);
+}

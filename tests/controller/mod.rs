@@ -30,4 +30,5 @@ mod sequences;
 mod shutter_faults;
 mod stage_faults;
 mod table;
+pub(crate) mod texts;
 mod trials;

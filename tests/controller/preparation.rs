@@ -123,5 +123,8 @@ fn motion_that_leaves_the_stroke_and_comes_back_in_an_exposure_has_no_frame() {
         panic!("beyond 2 mm");
     };
     assert_eq!(error.quantity, Quantity::TravelMm);
-    assert!((error.value - 3.5 / libm::sqrtf(3.0)).abs() < 1e-4, "{error}");
+    assert!(
+        (error.value - 3.5 / libm::sqrtf(3.0)).abs() < 1e-4,
+        "{error}"
+    );
 }

@@ -113,3 +113,19 @@ fn whole_frame_without_a_request_is_counted() {
     pc.next += 1;
     assert!(matches!(pc.ask(&Request::Counters), Answer::Counters(_)));
 }
+
+#[test]
+fn unknown_request_of_a_session_for_reading_is_counted_and_leaves_the_other_as_it_is() {
+    let mut pc = Pc::connected();
+    let reader = Header {
+        session: 9,
+        sequence: 3,
+    };
+    let connected = pc.ask_as(reader, &Request::ConnectReading);
+    assert!(matches!(connected, Answer::Connected(_)), "{connected:?}");
+    let answers = pc.send(&frame_of(&[PROTOCOL_VERSION, 9, 3, 77]));
+    assert_eq!(answers, [(reader, Answer::Refused(Refusal::Unknown))]);
+    assert_eq!(pc.event, Some(LinkEvent::Refused(Refusal::Unknown)));
+    assert_eq!(pc.station.counters().unknown, 1);
+    assert!(matches!(pc.ask(&Request::Counters), Answer::Counters(_)));
+}

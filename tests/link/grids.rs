@@ -1,6 +1,7 @@
 //! Residual grids in parts: whatever happens on their way, the camera corrects with those that its
 //! calibration states, or with the calibration before and its own.
 
+use fmc_camera::flight::calibration_id::Storage;
 use fmc_camera::flight::camera::{Camera, CameraParameters};
 use fmc_camera::flight::exposure::{CorrectionModel, Exposure};
 use fmc_camera::flight::frame_record::Outcome;
@@ -443,4 +444,20 @@ fn records_of_a_flight_state_what_the_grid_of_the_lens_leaves_out() {
         "{stated} {grid_nm}"
     );
     assert_eq!(gridded.model, CorrectionModel::Exact);
+}
+
+#[test]
+fn board_puts_grids_of_its_own_store_into_the_memory_of_the_camera() {
+    let mut pc = Pc::connected();
+    assert!(pc.station.grid_memory_mut().is_none());
+    pc.station
+        .keep_grids_in(Box::leak(Box::new(GridMemory::EMPTY)));
+    let file = grid(GridCarrier::Lens, wave);
+    let spare = pc.station.grid_memory_mut().unwrap();
+    spare.spare_mut(GridCarrier::Lens).add(&file).unwrap();
+    spare.spare_mut(GridCarrier::Lens).check().unwrap();
+    let camera = stating(Some(&file), None);
+    assert!(pc.station.load(&camera, Storage::Stored).is_ok());
+    let memory = pc.station.grid_memory_mut().unwrap();
+    assert_eq!(memory.file_in_use(GridCarrier::Lens), Some(&file[..]));
 }

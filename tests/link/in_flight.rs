@@ -23,8 +23,15 @@ pub(crate) struct Flight {
     pub(crate) pc: Pc,
     now: Time,
     edges: Vec<(Time, Event)>,
+    /// `true` if there is an index mark at the calibrated position.
+    pub(crate) has_index: bool,
+    /// Set point in the last round, mm.
+    set_mm: f32,
     pub(crate) after_reset: AfterReset,
 }
+
+/// Upper edge of the mark as the encoder counts it against the axis, mm: with 5 µm of play.
+const UPPER_EDGE_MM: f32 = 0.045;
 
 /// Longest time from the last round until the clock of the rig runs again, ms.
 pub(crate) const RESET_MS: u32 = 600;
@@ -36,6 +43,8 @@ impl Flight {
             pc: Pc::loaded(),
             now: Time::START,
             edges: Vec::new(),
+            has_index: false,
+            set_mm: 0.0,
             after_reset: AfterReset::FIRST,
         }
     }
@@ -65,6 +74,8 @@ impl Flight {
             pc,
             now: Time::START,
             edges: Vec::new(),
+            has_index: false,
+            set_mm: 0.0,
             after_reset,
         }
     }
@@ -82,9 +93,26 @@ impl Flight {
         let now = self.now;
         let controller = self.pc.station.deck_mut().controller().unwrap();
         let offset_mm = controller.setpoint(now).map_or(0.0, |it| it.offset_mm);
+        let before_mm = core::mem::replace(&mut self.set_mm, offset_mm);
+        let edge_mm = if before_mm < 0.0 && offset_mm >= 0.0 {
+            Some(0.0)
+        } else {
+            let is_against = before_mm > UPPER_EDGE_MM && offset_mm <= UPPER_EDGE_MM;
+            is_against.then_some(UPPER_EDGE_MM)
+        };
+        let latched_mm = edge_mm.filter(|_| self.has_index).map(|edge_mm| {
+            let part = (edge_mm - before_mm) / (offset_mm - before_mm);
+            let crossed = now.plus_s(1e-3 * (part - 1.0));
+            let setpoint = controller.setpoint(crossed);
+            // A latched count is as old as a reading.
+            let age_s = FlightSettings::default().drive.velocity_loop.reading_age_s;
+            edge_mm - setpoint.map_or(0.0, |it| it.speed_mm_s) * age_s
+        });
+        let counts = |place_mm: f32| format!("{:.0}", place_mm * 1e4).parse().unwrap();
         let mut step = RigStep {
             time: now,
-            encoder_count: format!("{:.0}", offset_mm * 1e4).parse().unwrap(),
+            encoder_count: counts(offset_mm),
+            index_count: latched_mm.map(counts),
             ..RigStep::default()
         };
         let due = self.edges.extract_if(.., |(time, _)| *time <= now);
@@ -186,9 +214,7 @@ pub(crate) fn utc_less_time_us(record: &FrameRecord) -> Option<u64> {
 fn calibration_waits_for_the_exposure_and_for_the_records_and_ends_the_flight() {
     let mut flight = Flight {
         pc: Pc::connected(),
-        now: Time::START,
-        edges: Vec::new(),
-        after_reset: AfterReset::FIRST,
+        ..Flight::loaded()
     };
     let Answer::Loaded(first) = flight.load(3.76) else {
         panic!("not loaded");
@@ -264,9 +290,7 @@ fn what_nobody_has_cleared_outlasts_another_calibration() {
     let mut flight = Flight {
         // After a bite of the watchdog.
         pc: Pc::loaded(),
-        now: Time::START,
-        edges: Vec::new(),
-        after_reset: AfterReset::FIRST,
+        ..Flight::loaded()
     };
     assert_eq!(flight.prepare(), Answer::Prepared);
     let watchdog = State::Fault(Fault::Watchdog);

@@ -12,6 +12,7 @@ mod board;
 mod bring_up;
 mod conversation;
 mod damage;
+mod doubted_records;
 mod exchange;
 #[cfg(feature = "estimation")]
 mod fit;
@@ -27,9 +28,11 @@ mod longest_answers;
 mod messages;
 pub(crate) mod pc;
 mod power_cuts;
+mod record_copies;
 mod refusals;
 mod repeats;
 mod resets;
+mod ring_entries;
 #[cfg(all(feature = "estimation", feature = "store"))]
 mod schema;
 mod short_streams;
@@ -38,7 +41,9 @@ mod stored;
 #[path = "../../fuzz/targets.rs"]
 mod targets;
 mod temperature;
+mod texts;
 mod trial_bench;
 mod trial_faults;
+mod wired;
 mod without_eyes;
 mod wrong_bits;

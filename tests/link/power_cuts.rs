@@ -16,22 +16,26 @@ use crate::link::pc::camera_parameters;
 use crate::store::flash_model::{Cell, Cut, FlashOf, Operation};
 
 /// A flash whose sectors hold few entries.
-type Flash = FlashOf<6, 4096>;
-type Ring = RecordRing<Flash>;
+pub(super) type Flash = FlashOf<6, 4096>;
+pub(super) type Ring = RecordRing<Flash>;
 
 /// Records that a loss of the supply may take.
 const LOST: u32 = 2;
 
-fn ring(flash: Flash) -> Ring {
+pub(super) fn ring(flash: Flash) -> Ring {
     RecordRing::open(flash, 0, 6).unwrap()
 }
 
-fn blank_memory() -> &'static FlightMemory {
+pub(super) fn blank_memory() -> &'static FlightMemory {
     Box::leak(Box::new(FlightMemory::blank()))
 }
 
 /// Starts a camera with memory and flash.
-fn start(cause: ResetCause, memory: &'static FlightMemory, flash: Flash) -> (Flight, Ring) {
+pub(super) fn start(
+    cause: ResetCause,
+    memory: &'static FlightMemory,
+    flash: Flash,
+) -> (Flight, Ring) {
     let mut flight = Flight::after_reset(cause, memory);
     let mut ring = ring(flash.started());
     flight.after_reset = flight.pc.station.keep_records_in(&mut ring);
@@ -40,12 +44,12 @@ fn start(cause: ResetCause, memory: &'static FlightMemory, flash: Flash) -> (Fli
 }
 
 /// Starts a camera that has been without supply.
-fn start_cold(flash: Flash) -> (Flight, Ring) {
+pub(super) fn start_cold(flash: Flash) -> (Flight, Ring) {
     start(ResetCause::PowerOn, blank_memory(), flash)
 }
 
 /// A camera that has been armed.
-fn armed(flash: Flash) -> (Flight, Ring) {
+pub(super) fn armed(flash: Flash) -> (Flight, Ring) {
     let (mut flight, mut ring) = start_cold(flash);
     let loaded = flight.pc.load(&camera_parameters());
     assert!(matches!(loaded, Answer::Loaded(_)), "{loaded:?}");
@@ -57,7 +61,7 @@ fn armed(flash: Flash) -> (Flight, Ring) {
 }
 
 /// Carries the ring's work on until there is none.
-fn settle(flight: &mut Flight, ring: &mut Ring) {
+pub(super) fn settle(flight: &mut Flight, ring: &mut Ring) {
     flight.pc.station.keep_flight();
     for _ in 0..1000 {
         flight.pc.station.keep_records(ring);
@@ -69,7 +73,7 @@ fn settle(flight: &mut Flight, ring: &mut Ring) {
 }
 
 /// Takes an image, and leaves its record unwritten.
-fn expose(flight: &mut Flight) {
+pub(super) fn expose(flight: &mut Flight) {
     flight.round(Some(Event::Trigger));
     flight.run_until(State::Exposing);
     flight.run_until(State::Armed);
@@ -83,7 +87,7 @@ fn fetched(flight: &mut Flight, from: u32) -> Option<FrameRecord> {
     }
 }
 
-fn all_records(flight: &mut Flight) -> Vec<FrameRecord> {
+pub(super) fn all_records(flight: &mut Flight) -> Vec<FrameRecord> {
     let (mut records, mut next) = (Vec::new(), 0);
     while let Some(record) = fetched(flight, next) {
         next = record.sequence + 1;

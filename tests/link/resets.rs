@@ -28,7 +28,7 @@ fn blank() -> &'static FlightMemory {
 }
 
 /// A copy, as the memory is at a reset.
-fn of_words(words: &[u32; FlightMemory::WORDS]) -> &'static FlightMemory {
+pub(super) fn of_words(words: &[u32; FlightMemory::WORDS]) -> &'static FlightMemory {
     Box::leak(Box::new(FlightMemory::of_words(*words)))
 }
 
@@ -40,7 +40,7 @@ fn loaded(memory: &'static FlightMemory) -> Flight {
 }
 
 /// A camera that has been armed, with its memory.
-fn armed(settings: &FlightSettings) -> (Flight, &'static FlightMemory) {
+pub(super) fn armed(settings: &FlightSettings) -> (Flight, &'static FlightMemory) {
     let memory = blank();
     let mut flight = loaded(memory);
     let prepared = flight.pc.ask(&Request::Prepare(*settings));
@@ -49,7 +49,7 @@ fn armed(settings: &FlightSettings) -> (Flight, &'static FlightMemory) {
     (flight, memory)
 }
 
-fn expose(flight: &mut Flight) {
+pub(super) fn expose(flight: &mut Flight) {
     flight.round(Some(Event::Trigger));
     flight.run_until(State::Exposing);
     flight.run_until(State::Armed);
@@ -66,7 +66,7 @@ fn fetched(flight: &mut Flight, sequence: u32) -> Option<FrameRecord> {
     }
 }
 
-fn all_records(flight: &mut Flight) -> Vec<FrameRecord> {
+pub(super) fn all_records(flight: &mut Flight) -> Vec<FrameRecord> {
     let (mut records, mut next) = (Vec::new(), 0);
     while let Some(record) = fetched(flight, next) {
         next = record.sequence + 1;

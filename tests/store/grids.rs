@@ -42,7 +42,7 @@ fn in_use(version: u16, lens: &[u8], sensor: &[u8]) -> (Box<GridMemory>, CameraP
 }
 
 /// Returns a flash with a calibration and its grids, and both.
-fn stored(version: u16) -> (FlashModel, CameraParameters, [Vec<u8>; 2]) {
+pub(crate) fn stored(version: u16) -> (FlashModel, CameraParameters, [Vec<u8>; 2]) {
     let [lens, sensor] = [
         grid(GridCarrier::Lens, wave),
         grid(GridCarrier::Sensor, noise),

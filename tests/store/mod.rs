@@ -10,6 +10,7 @@
 )]
 
 pub(crate) mod calibrations;
+mod contents;
 mod cuts;
 pub(crate) mod flash_model;
 mod fuzzed;
@@ -22,4 +23,6 @@ mod short_words;
 mod signatures;
 pub(crate) mod signed;
 mod succession;
+mod texts;
+mod vast;
 mod wrong_rings;

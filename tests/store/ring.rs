@@ -364,3 +364,29 @@ fn ring_has_whole_sectors_and_at_least_three() {
     assert_eq!(layout(0, 2), Some(no_place(3 * 4096)));
     assert_eq!(layout(4096, 5), None);
 }
+
+#[test]
+fn sector_that_was_erased_ahead_of_one_that_is_lost_begins_the_ring_anew() {
+    let mut ring = open(Small::blank());
+    let mut number = 0;
+    while ring.erasures() < 2 || ring.state() == RingState::Erasing {
+        assert!(write(&mut ring, number, Erasing::Ahead));
+        number += 1;
+        ring.step(Erasing::Ahead);
+    }
+    let next = ring.next();
+    let sector = RecordRing::<Small>::sector_of(next);
+    assert_eq!(sector, 0, "the next sector is blank");
+    let flash = ring.into_flash().started();
+    let mut whole = open(flash.clone());
+    assert_eq!(entries(&mut whole).first(), Some(&(number - 1)));
+    let mut lost = flash;
+    lost.sectors[0].clear();
+    let mut ring = open(lost);
+    assert_eq!(RecordRing::<Small>::sector_of(ring.next()), 1);
+    assert!(entries(&mut ring).is_empty());
+    assert!(write(&mut ring, 7, Erasing::Ahead));
+    assert_eq!(entries(&mut ring), [7]);
+    let mut again = open(ring.into_flash().started());
+    assert_eq!(entries(&mut again), [7]);
+}

@@ -382,4 +382,21 @@ fn public_key_is_read_from_the_file_that_openssl_writes_and_from_no_other() {
     ] {
         assert_eq!(of(begin, line, end), None, "{line}");
     }
+    // The text ends within a group of four digits, or a group ends with none.
+    for cut in 0..line.len() {
+        assert_eq!(of(begin, &line[..cut], ""), None, "{cut}");
+        let other = format!("{}!{}", &line[..cut], &line[cut + 1..]);
+        assert_eq!(of(begin, &other, end), None, "{cut}");
+    }
+}
+
+#[test]
+fn public_key_is_read_with_every_digit_of_base_64() {
+    let key: Vec<u8> = [0xfb, 0xef, 0xbf].repeat(11);
+    let mut key: [u8; 32] = key[..32].try_into().unwrap();
+    key[30..].fill(0xff);
+    let digits = ["+++/".repeat(10), "//8=".to_owned()].concat();
+    let text =
+        format!("-----BEGIN PUBLIC KEY-----\nMCowBQYDK2VwAyEA{digits}\n-----END PUBLIC KEY-----\n");
+    assert_eq!(PublicKey::from_pem(&text), Some(PublicKey::new(key)));
 }

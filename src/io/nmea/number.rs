@@ -154,6 +154,9 @@ mod tests {
         ] {
             assert_eq!(single(text.as_bytes()), None, "{text}");
         }
+        // Behind the ninth place zeros are left out as other digits are.
+        assert_eq!(single(b"0.0000000019"), single(b"0.000000001"));
+        assert_eq!(single(b"0.00000000099"), Some(0.0));
         assert_eq!(whole(b"000000012"), Some(12));
         assert_eq!(
             (whole(b""), whole(b"1.0"), whole(b"0000000000")),

@@ -70,10 +70,9 @@ impl Commit {
         if [m0, m1, m2, m3] != MAGIC {
             return Err(SlotFault::NoRecord);
         }
-        let Some((checked, stored)) = word.split_last_chunk() else {
-            return Err(SlotFault::NoRecord);
-        };
-        let (stored, computed) = (u32::from_le_bytes(*stored), CRC.checksum(checked));
+        let [checked @ .., e0, e1, e2, e3] = word;
+        let stored = u32::from_le_bytes([*e0, *e1, *e2, *e3]);
+        let computed = CRC.checksum(checked);
         if stored != computed {
             return Err(SlotFault::CommitCrc { stored, computed });
         }

@@ -58,9 +58,8 @@ impl RingEntry {
     pub(super) fn numbered(mut self, number: u32) -> Self {
         let [_, _, n0, n1, n2, n3, ..] = &mut self.bytes;
         [*n0, *n1, *n2, *n3] = number.to_le_bytes();
-        if let Some((checked, crc)) = self.bytes.split_last_chunk_mut() {
-            *crc = CRC.checksum(checked).to_le_bytes();
-        }
+        let [checked @ .., c0, c1, c2, c3] = &mut self.bytes;
+        [*c0, *c1, *c2, *c3] = CRC.checksum(checked).to_le_bytes();
         self
     }
 
@@ -106,9 +105,8 @@ pub(super) fn sector_word(generation: u32) -> Word {
     for (place, byte) in word.iter_mut().zip(head) {
         *place = byte;
     }
-    if let Some((checked, crc)) = word.split_last_chunk_mut() {
-        *crc = CRC.checksum(checked).to_le_bytes();
-    }
+    let [checked @ .., c0, c1, c2, c3] = &mut word;
+    [*c0, *c1, *c2, *c3] = CRC.checksum(checked).to_le_bytes();
     word
 }
 

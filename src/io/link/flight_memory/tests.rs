@@ -1,7 +1,9 @@
 //! Resets between any two stores.
 
-use super::block::sum;
-use super::words::reset;
+use core::sync::atomic::AtomicU32;
+
+use super::block::{Block, sum};
+use super::words::{load, reset, store};
 use super::{FlightMemory, KeptHead, KeptRecord};
 use crate::flight::fault::Faults;
 use crate::flight::flag::Flags;
@@ -138,4 +140,33 @@ fn reset_after_any_store_leaves_the_time_of_a_round() {
         },
     );
     assert_eq!(stores, 9, "one more than are made");
+}
+
+#[test]
+fn blocks_lie_behind_each_other_and_words_behind_the_last_are_left_out() {
+    let first = Block::after(None, 8);
+    let second = Block::after(Some(&first), 4);
+    // Two words are those of check and length.
+    let starts = [
+        &first,
+        &second,
+        &second.nth(2),
+        &Block::after(Some(&second), 0),
+    ];
+    assert_eq!(starts.map(Block::start), [0, 4, 10, 7]);
+    let memory: [AtomicU32; 7] = [const { AtomicU32::new(0) }; 7];
+    first.write(&memory, &[1, 2, 3, 4, 5, 6, 7, 8]);
+    second.write(&memory, &[9, 10, 11]);
+    let mut buffer = [0; 8];
+    let read = first.read(&memory, &mut buffer);
+    assert_eq!(read, Some(&[1, 2, 3, 4, 5, 6, 7, 8][..]));
+    assert_eq!(second.read(&memory, &mut buffer), Some(&[9, 10, 11][..]));
+    let words = || {
+        memory
+            .each_ref()
+            .map(|word| word.load(core::sync::atomic::Ordering::Relaxed))
+    };
+    let before = words();
+    store(&memory, 7, 0x1234_5678);
+    assert_eq!((words(), load(&memory, 7)), (before, 0));
 }
