@@ -1,7 +1,7 @@
 //! Findings of the aircraft's instruments: each is in the next record, and counted.
 
 use fmc_camera::flight::attitude::AttitudeFinding;
-use fmc_camera::flight::event::{AttitudeSample, Event};
+use fmc_camera::flight::event::{AttitudeSample, Command, Event};
 use fmc_camera::flight::findings::Findings;
 use fmc_camera::flight::frame_record::{Flag, FrameRecord, Outcome};
 use fmc_camera::flight::vh::{CONSISTENT_SAMPLES, VhSample};
@@ -243,6 +243,23 @@ fn missing_pulses_are_counted_one_by_one() {
     let mut bench = Bench::armed();
     inject(&mut bench, Flag::UtcMissingPulses);
     assert_eq!(count(&bench, Flag::UtcMissingPulses), 2);
+}
+
+#[test]
+fn pulses_that_have_moved_are_in_every_record_until_the_operator_trusts_them() {
+    let mut bench = Bench::armed();
+    pulses(&mut bench, &[0; 4]);
+    bench.run(10);
+    pulses(&mut bench, &[4; 4]);
+    assert_eq!(count(&bench, Flag::UtcPulsesMoved), 1);
+    for _ in 0..3 {
+        assert!(next_record(&mut bench).flags.contains(Flag::UtcPulsesMoved));
+    }
+    assert_eq!(count(&bench, Flag::UtcPulsesMoved), 1);
+    bench.send(Event::Command(Command::ClearFault));
+    // Between the last record and the command they were not trusted.
+    let flagged = [(); 3].map(|()| next_record(&mut bench).flags.contains(Flag::UtcPulsesMoved));
+    assert_eq!(flagged, [true, false, false]);
 }
 
 #[test]

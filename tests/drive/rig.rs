@@ -122,3 +122,21 @@ fn other_settings_and_another_zero_release_the_stepper() {
     assert!(!drive.powered() && drive.duty().abs() <= 0.0);
     assert!(place_mm(&mut drive).abs() <= 0.0);
 }
+
+#[test]
+fn settings_that_no_drive_can_have_are_an_error_that_names_the_field() {
+    let motor = DriveSettings::default();
+    for (settings, name) in [
+        (motor, "motor"),
+        (absolute(), "amplifier"),
+        (stepped(), "stepper"),
+    ] {
+        assert!(RigDrive::new(settings).is_ok(), "{name}");
+        let wrong = DriveSettings {
+            encoder_step_um: f32::NAN,
+            ..settings
+        };
+        let error = RigDrive::new(wrong).err().unwrap();
+        assert!(error.to_string().contains("encoder"), "{name}: {error}");
+    }
+}

@@ -6,6 +6,9 @@ use std::{
     path::{Path, PathBuf},
 };
 
+use anyhow::{Context as _, Result};
+use syn::{Attribute, Item};
+
 /// Sources that have been read.
 #[derive(Debug)]
 pub(crate) struct Sources {
@@ -53,6 +56,50 @@ pub(crate) fn file(path: &str) -> String {
     let dash = package.match_indices('-').find(is_version);
     let name = dash.and_then(|(at, _)| package.get(..at));
     format!("{}/{rest}", name.unwrap_or(package))
+}
+
+/// Returns the paths, from the root, of the modules of tests that are files of their own, without
+/// their ending: `src/a/tests` for `src/a/tests.rs` and what is below it.
+///
+/// # Errors
+/// An error if a source cannot be read.
+pub(crate) fn modules_of_tests(root: &Path, sources: &[String]) -> Result<Vec<String>> {
+    let mut modules = vec![];
+    for source in sources {
+        let text = fs::read_to_string(root.join(source)).with_context(|| source.clone())?;
+        let folder = source.strip_suffix("/mod.rs").unwrap_or(source);
+        let folder = folder.strip_suffix(".rs").unwrap_or(folder);
+        let file = syn::parse_file(&text).with_context(|| format!("{source}: not Rust"))?;
+        for item in &file.items {
+            if let Item::Mod(module) = item
+                && module.content.is_none()
+                && module.attrs.iter().any(is_cfg_test)
+            {
+                modules.push(format!("{folder}/{}", module.ident));
+            }
+        }
+    }
+    Ok(modules)
+}
+
+/// Returns `true` for an attribute of code that is compiled for tests alone.
+fn is_cfg_test(attribute: &Attribute) -> bool {
+    let condition = attribute
+        .meta
+        .require_list()
+        .map(|list| list.tokens.to_string());
+    let mut words = condition
+        .iter()
+        .flat_map(|text| text.split(|c: char| !c.is_alphanumeric()));
+    attribute.path().is_ident("cfg") && words.any(|word| word == "test")
+}
+
+/// Returns `true` for a source that is a module of tests, or is in one.
+pub(crate) fn is_of_tests(modules: &[String], source: &str) -> bool {
+    modules.iter().any(|module| {
+        let rest = source.strip_prefix(module.as_str());
+        rest.is_some_and(|rest| rest == ".rs" || rest.starts_with('/'))
+    })
 }
 
 /// Returns the function that a line is in, with the type or trait whose function it is, or the
@@ -229,5 +276,28 @@ all_sums! { u8 u16 }
         assert_eq!(at("all_sums!").as_deref(), Some("all_sums!"));
         assert_eq!(function_at(text, 1), None);
         assert_eq!(function_at(text, 1000), None);
+    }
+
+    #[test]
+    fn modules_of_tests_and_what_is_in_them_are_known() {
+        let folder = std::env::temp_dir().join(format!("fmc-source-{}", std::process::id()));
+        std::fs::create_dir_all(folder.join("src/a")).unwrap();
+        let text = "mod b;\n#[cfg(test)]\n#[expect(\n    f,\n)]\nmod tests;\n#[cfg(all(test, feature = \"c\"))]\n\
+            pub(crate) mod d;\n#[cfg(test)]\nuse e;\nmod f;\n";
+        std::fs::write(folder.join("src/a/mod.rs"), text).unwrap();
+        std::fs::write(folder.join("src/g.rs"), "#[cfg(test)]\nmod sequences;\n").unwrap();
+        let sources = ["src/a/mod.rs", "src/g.rs"].map(str::to_owned);
+        let modules = modules_of_tests(&folder, &sources).unwrap();
+        assert_eq!(modules, ["src/a/tests", "src/a/d", "src/g/sequences"]);
+        for (source, expected) in [
+            ("src/a/tests.rs", true),
+            ("src/a/tests/outages.rs", true),
+            ("src/a/tests_of_others.rs", false),
+            ("src/a/f.rs", false),
+            ("src/g.rs", false),
+        ] {
+            assert_eq!(is_of_tests(&modules, source), expected, "{source}");
+        }
+        std::fs::remove_dir_all(&folder).unwrap();
     }
 }

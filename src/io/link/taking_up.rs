@@ -254,3 +254,43 @@ fn newest(memory: &FlightMemory, flight: u32) -> [Option<(u32, u32)>; SLOTS] {
     }
     found
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::flight::fault::Faults;
+    use crate::flight::flag::Flags;
+    use crate::flight::frame_record::{Outcome, Reason};
+    use crate::flight::record_log::Entry;
+    use crate::io::link::flight_memory::KeptRecord;
+
+    fn copy(writing: u32) -> KeptRecord {
+        KeptRecord {
+            flight: 7,
+            writing,
+            is_pending: false,
+            boot: 3,
+            record: Entry {
+                sequence: 12,
+                trigger: Time::from_us(1_234_567),
+                outcome: Outcome::Refused(Reason::Overlap),
+                faults: Faults::NONE,
+                flags: Flags::NONE,
+            },
+        }
+    }
+
+    #[test]
+    fn of_two_copies_of_a_record_the_newer_one_is_found_in_whichever_place_it_is() {
+        for (writings, newer) in [([5, 6], 3), ([6, 5], 1)] {
+            let memory = FlightMemory::blank();
+            for (slot, writing) in [1, 3].into_iter().zip(writings) {
+                memory.write_record(&copy(writing), slot, None);
+            }
+            let found = newest(&memory, 7).into_iter().zip(0..);
+            let found: std::vec::Vec<_> = found.filter_map(|(one, at)| Some((at, one?))).collect();
+            assert_eq!(found, [(newer, (12, 6))]);
+            assert_eq!(newest(&memory, 8), [None; SLOTS]);
+        }
+    }
+}

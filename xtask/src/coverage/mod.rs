@@ -17,6 +17,7 @@ use crate::{
     checks::FEATURES_OF_TESTS,
     crate_program::CrateProgram,
     machine::on_path,
+    source,
     tools::{Tool, Toolbox},
     workspace::Workspace,
 };
@@ -65,12 +66,20 @@ pub(crate) fn run(workspace: &Workspace) -> Result<ExitCode> {
         .env("RUSTC_BOOTSTRAP", "1");
     measure.run()?;
     let measured = Report::from_file(&report).with_context(|| report.display().to_string())?;
-    let mut found = Found::default();
+    let mut sources = vec![];
     for (key, file) in &measured.sections {
         let path = key.source_file.strip_prefix(&workspace.root);
         let name = path.unwrap_or(&key.source_file).display().to_string();
         let name = name.replace('\\', "/");
         if MEASURED.iter().any(|folder| name.starts_with(folder)) {
+            sources.push((name, file));
+        }
+    }
+    let names: Vec<_> = sources.iter().map(|(name, _)| name.clone()).collect();
+    let of_tests = source::modules_of_tests(&workspace.root, &names)?;
+    let mut found = Found::default();
+    for (name, file) in sources {
+        if !source::is_of_tests(&of_tests, &name) {
             let code = fs::read_to_string(workspace.root.join(&name));
             let code = code.with_context(|| name.clone())?;
             found.add(&name, code.lines().map(str::to_owned).collect(), file);

@@ -32,7 +32,7 @@ use self::{
     results::Results,
     trial::{Outcome, Tests},
 };
-use crate::{CHECK_FAILED, NOT_CHECKED, workspace::Workspace};
+use crate::{CHECK_FAILED, NOT_CHECKED, source, workspace::Workspace};
 
 /// Folders whose mutants are tried.
 const FOLDERS: [&str; 3] = ["src/geometry", "src/flight", "src/io"];
@@ -151,6 +151,8 @@ fn sources(workspace: &Workspace, named: &[String]) -> Result<Vec<String>> {
         }));
     }
     all.sort();
+    let of_tests = source::modules_of_tests(&workspace.root, &all)?;
+    all.retain(|name| !source::is_of_tests(&of_tests, name));
     if named.is_empty() {
         return Ok(all);
     }
