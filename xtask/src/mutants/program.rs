@@ -121,9 +121,13 @@ fn write(
         }
         write_if_other(&tree.join(name), &text)?;
     }
-    let switch = include_str!("switch.rs").replace("COUNT", &mutants.len().to_string());
-    write_if_other(&tree.join("src/mutant.rs"), &switch)?;
+    write_if_other(&tree.join("src/mutant.rs"), &switch(mutants.len()))?;
     Ok(without_place)
+}
+
+/// Returns the source of the module that knows which of so many mutants the program is.
+fn switch(count: usize) -> String {
+    include_str!("switch.rs").replace("COUNT", &count.to_string())
 }
 
 /// Adds the module that knows which mutant the program is.
@@ -249,4 +253,81 @@ fn compile(workspace: &Workspace, tree: &Path, line: &str) -> Result<Compiled> {
         String::from_utf8_lossy(&output.stderr)
     );
     Ok(Compiled::Errors(errors))
+}
+
+#[cfg(all(test, target_os = "linux"))]
+mod tests {
+    use std::process::Command;
+
+    use super::*;
+    use crate::mutants::decisions;
+
+    /// A program that prints whether a decision with two conditions holds, by a function that is
+    /// evaluated by the compiler, too.
+    const SPECIMEN: &str = "extern crate std;
+const fn holds(a: bool, b: bool) -> bool { a && b }
+const _: () = assert!(!holds(true, false));
+fn main() { std::print!(\"{} {}\", holds(true, false), holds(false, true)); }
+mod mutant {}
+";
+
+    #[test]
+    fn specimen_is_each_of_its_mutants_and_records_those_that_it_reaches() {
+        let folder = std::env::temp_dir().join(format!("fmc-specimen-{}", std::process::id()));
+        fs::create_dir_all(&folder).unwrap();
+        let mutants = decisions::conditions("specimen.rs", SPECIMEN).unwrap();
+        let changes: Vec<_> = mutants
+            .iter()
+            .map(|mutant| mutant.change.as_str())
+            .collect();
+        assert_eq!(changes.len(), 4);
+        let numbered: Vec<_> = mutants.iter().enumerate().collect();
+        let text = schema::write(SPECIMEN, &numbered).unwrap().text;
+        let switch = switch(5).replace("//!", "//");
+        let text = format!(
+            "#![allow(internal_features)]\n#![feature(core_intrinsics, const_eval_select)]\n{}",
+            text.replace("mod mutant {}", &format!("mod mutant {{{switch}}}"))
+        );
+        let [source, program, record] =
+            ["specimen.rs", "specimen", "record"].map(|name| folder.join(name));
+        fs::write(&source, text).unwrap();
+        let mut compiler = Command::new("rustc");
+        compiler
+            .args(["--edition", "2024", "-A", "warnings", "-o"])
+            .arg(&program)
+            .arg(&source);
+        assert!(
+            compiler
+                .env("RUSTC_BOOTSTRAP", "1")
+                .status()
+                .unwrap()
+                .success()
+        );
+        let output = |number: Option<&str>| {
+            let mut run = Command::new(&program);
+            if let Some(number) = number {
+                run.env("FMC_MUTANT", number);
+            }
+            let output = run.env("FMC_MUTANTS_REACHED", &record).output().unwrap();
+            String::from_utf8(output.stdout).unwrap()
+        };
+        for (number, change, expected) in [
+            (None, "", "false false"),
+            (Some("0"), "condition a with true", "false true"),
+            (Some("1"), "condition a with false", "false false"),
+            (Some("2"), "condition b with true", "true false"),
+            (Some("3"), "condition b with false", "false false"),
+            (Some("record"), "", "false false"),
+        ] {
+            assert_eq!(output(number), expected, "{number:?}");
+            if let Some(change_of) =
+                number.and_then(|number| changes.get(number.parse::<usize>().ok()?))
+            {
+                assert!(change_of.contains(change), "{change_of}");
+            }
+        }
+        // The fifth is nowhere.
+        assert_eq!(fs::read(&record).unwrap(), [1, 1, 1, 1, 0]);
+        fs::remove_dir_all(&folder).unwrap();
+    }
 }
