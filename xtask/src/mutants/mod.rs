@@ -75,10 +75,6 @@ pub(crate) struct Options {
 /// An error if a source is none of the library, if tools are missing, if the tests fail without a
 /// mutant, or if files cannot be read or written.
 pub(crate) fn run(workspace: &Workspace, options: &Options) -> Result<ExitCode> {
-    ensure!(
-        !options.update || options.shard.is_none(),
-        "a part of the mutants says nothing about a source: --update goes without --shard"
-    );
     let files = sources(workspace, &options.files)?;
     let place = workspace.target_dir.join("mutants");
     let _lock = Workspace::lock(&place, "tries mutants")?;
@@ -268,10 +264,8 @@ fn judge(
     let faults = list::faults(mutants, &survivors, &equivalent, text_of);
     if options.update {
         let mut clean = BTreeMap::new();
-        for mutant in mutants
-            .iter()
-            .filter(|mutant| !faults.contains_key(&mutant.file))
-        {
+        let tried = outcomes.keys().filter_map(|number| mutants.get(*number));
+        for mutant in tried.filter(|mutant| !faults.contains_key(&mutant.file)) {
             *clean.entry(mutant.file.clone()).or_default() += 1;
         }
         list::update(&workspace.root, &clean)?;
